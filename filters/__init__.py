@@ -1,0 +1,1 @@
+"""The filters that come with meshlab_symrecon, one file each."""

@@ -1,0 +1,125 @@
+"""Array aliases, and the checks that every array passes at the border of the package."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshlab_symrecon.errors import GeometryError
+
+__all__ = [
+    "Booleans",
+    "Faces",
+    "Floats",
+    "Indices",
+    "Planes",
+    "Points",
+    "as_faces",
+    "as_normals",
+    "as_planes",
+    "as_points",
+]
+
+Floats: TypeAlias = NDArray[np.float64]
+Indices: TypeAlias = NDArray[np.int64]
+Booleans: TypeAlias = NDArray[np.bool_]
+Points: TypeAlias = NDArray[np.float64]  # (n, 3)
+Faces: TypeAlias = NDArray[np.int64]  # (m, 3)
+Planes: TypeAlias = NDArray[np.float64]  # (k, 4)  unit normal A, B, C and offset D
+
+
+def _as_rows(values: ArrayLike, width: int, what: str) -> Floats:
+    try:
+        rows = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        message = f"{what} must be numbers in an array of shape (n, {width}); got {values!r:.60}"
+        raise GeometryError(message) from error
+    if rows.size == 0:
+        rows = rows.reshape(0, width)
+    if rows.ndim != 2 or rows.shape[1] != width:
+        message = f"{what} must have shape (n, {width}); got {rows.shape}; reshape the array"
+        raise GeometryError(message)
+    finite = np.isfinite(rows).all(axis=1)
+    if not finite.all():
+        message = (
+            f"{what} must be finite; got {np.count_nonzero(~finite)} rows with NaN or infinity, "
+            f"the first at index {np.argmin(finite)}; remove them first"
+        )
+        raise GeometryError(message)
+    rows.setflags(write=False)
+    return rows
+
+
+def as_points(values: ArrayLike, minimum: int = 0) -> Points:
+    """Return a read-only (n, 3) float64 copy of finite positions.
+
+    Raises
+    ------
+    GeometryError
+        Wrong shape, a coordinate that is not finite, or fewer than ``minimum`` points.
+    """
+    points = _as_rows(values, 3, "points")
+    if len(points) < minimum:
+        message = f"at least {minimum} points are needed; got {len(points)}; load a fuller scan"
+        raise GeometryError(message)
+    return points
+
+
+def as_normals(values: ArrayLike, count: int) -> Points:
+    """Return a read-only (count, 3) float64 copy of finite normals, one for each point.
+
+    Raises
+    ------
+    GeometryError
+        Wrong shape or count, or a component that is not finite.
+    """
+    normals = _as_rows(values, 3, "normals")
+    if len(normals) != count:
+        message = f"{count} normals are needed, one a point; got {len(normals)}; estimate them anew"
+        raise GeometryError(message)
+    return normals
+
+
+def as_planes(values: ArrayLike) -> Planes:
+    """Return a read-only (k, 4) copy of planes ``Ax + By + Cz + D = 0``, scaled to unit normals.
+
+    Raises
+    ------
+    GeometryError
+        Wrong shape, a coefficient that is not finite, or a normal of zero length.
+    """
+    rows = _as_rows(values, 4, "planes")
+    lengths = np.linalg.norm(rows[:, :3], axis=1, keepdims=True)
+    if not (lengths > 0.0).all():
+        message = (
+            f"planes need a normal (A, B, C) that is not zero; got {rows[np.argmin(lengths)]}; "
+            "give the direction in which the plane faces"
+        )
+        raise GeometryError(message)
+    planes = rows / lengths
+    planes.setflags(write=False)
+    return planes
+
+
+def as_faces(values: ArrayLike, vertex_count: int) -> Faces:
+    """Return a read-only (m, 3) int64 copy of triangles whose indices are all in range.
+
+    Raises
+    ------
+    GeometryError
+        Wrong shape, indices that are not whole numbers, or out of ``0 .. vertex_count - 1``.
+    """
+    rows = _as_rows(values, 3, "faces")
+    faces = rows.astype(np.int64)
+    if not np.array_equal(faces, rows):
+        raise GeometryError("faces must be whole vertex indices; got fractions; pass integers")
+    if faces.size and not (0 <= faces.min() and faces.max() < vertex_count):
+        message = (
+            f"face indices must lie in 0 .. {vertex_count - 1}; got {faces.min()} .. {faces.max()}; "
+            "repair the mesh first"
+        )
+        raise GeometryError(message)
+    faces.setflags(write=False)
+    return faces

@@ -1,0 +1,1 @@
+"""The Power Crust (Amenta, Choi, Kolluri 2001)."""

@@ -1,0 +1,1 @@
+"""Reflection planes of incomplete clouds, and completion by mirroring."""
