@@ -98,7 +98,7 @@ def as_planes(values: ArrayLike) -> Planes:
             "give the direction in which the plane faces"
         )
         raise GeometryError(message)
-    planes = rows / lengths
+    planes: Planes = rows / lengths
     planes.setflags(write=False)
     return planes
 
@@ -115,10 +115,10 @@ def as_faces(values: ArrayLike, vertex_count: int) -> Faces:
     faces = rows.astype(np.int64)
     if not np.array_equal(faces, rows):
         raise GeometryError("faces must be whole vertex indices; got fractions; pass integers")
-    if faces.size and not (0 <= faces.min() and faces.max() < vertex_count):
+    if faces.size and (faces.min() < 0 or faces.max() >= vertex_count):
         message = (
-            f"face indices must lie in 0 .. {vertex_count - 1}; got {faces.min()} .. {faces.max()}; "
-            "repair the mesh first"
+            f"face indices must lie in 0 .. {vertex_count - 1}; "
+            f"got {faces.min()} .. {faces.max()}; repair the mesh first"
         )
         raise GeometryError(message)
     faces.setflags(write=False)

@@ -1,1 +1,1 @@
-"""Geometry that every algorithm here builds on: planes, bounds, neighbours, sampling, triangulation."""
+"""Geometry that every algorithm here builds on."""

@@ -1,1 +1,34 @@
-"""What a filter author imports: parameters, filter, registry. Knows neither algorithms nor pymeshlab."""
+"""What a filter author imports. It knows neither algorithms nor pymeshlab."""
+
+from __future__ import annotations
+
+from meshlab_symrecon.plugin.filter import Citation, Filter, Layer, Layers, Outcome, Progress
+from meshlab_symrecon.plugin.parameters import (
+    ParameterSet,
+    boolean,
+    choice,
+    diagonal_fraction,
+    integer,
+    layer,
+    number,
+    spacing_multiple,
+    text,
+)
+
+__all__ = [
+    "Citation",
+    "Filter",
+    "Layer",
+    "Layers",
+    "Outcome",
+    "ParameterSet",
+    "Progress",
+    "boolean",
+    "choice",
+    "diagonal_fraction",
+    "integer",
+    "layer",
+    "number",
+    "spacing_multiple",
+    "text",
+]
