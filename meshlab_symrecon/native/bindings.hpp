@@ -1,0 +1,10 @@
+// The parts of the Python module, one function a part.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace symrecon {
+
+void bind_crust(nanobind::module_& module);
+
+}  // namespace symrecon

@@ -1,0 +1,123 @@
+"""Poles: the Voronoi vertices that carry the shape (Amenta, Choi, Kolluri 2001, section 2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
+from meshlab_symrecon.geometry.triangulation import Triangulation, circumcentres
+
+__all__ = ["ENCLOSURE", "Poles", "enclose", "find_poles"]
+
+ENCLOSURE = 4.0  # half side of the enclosing cube / longest side of the box, as in the original
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Poles:
+    """Poles of samples, each once, with its polar ball.
+
+    Attributes
+    ----------
+    sites : (n + 8, 3) float
+        The samples, then the corners of the enclosing cube.
+    centres : (p, 3) float
+    radii : (p,) float
+        Distance of a pole to the samples that it belongs to.
+    samples : (p, 4) int
+        The samples on the polar ball; numbers from the count of samples on are enclosing corners.
+    pairs : (k, 2) int
+        The two poles of a sample, the farther one first; samples merged into others have none.
+    pair_samples : (k,) int
+        The sample of each pair.
+    outermost : (p,) bool
+        Poles whose ball touches a corner of the enclosing cube: certainly outside.
+    """
+
+    sites: Points
+    centres: Points
+    radii: Floats
+    samples: Indices
+    pairs: Indices
+    pair_samples: Indices
+    outermost: Booleans
+
+
+def enclose(samples: Points) -> Points:
+    """Return the samples followed by the eight corners of a cube far round their box.
+
+    The corners bound the Voronoi cell of every sample.
+
+    Parameters
+    ----------
+    samples : (n, 3) float
+
+    Returns
+    -------
+    (n + 8, 3) float
+    """
+    low, high = samples.min(axis=0), samples.max(axis=0)
+    half = ENCLOSURE * float((high - low).max())
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+    return np.concatenate([samples, 0.5 * (low + high) + half * signs])
+
+
+def find_poles(delaunay: Triangulation, sample_count: int) -> Poles:
+    """Find the two poles of every sample.
+
+    The first pole of a sample s is the vertex of its Voronoi cell farthest from s; the second is
+    the farthest one, v, on the other side: (v - s) . (first - s) <= 0.
+
+    Parameters
+    ----------
+    delaunay : Triangulation
+        Delaunay triangulation of ``enclose(samples)``.
+    sample_count : int
+        Number of samples; the sites after them are the corners.
+    """
+    centres = circumcentres(delaunay)
+    cells = delaunay.cells.astype(np.int64)
+    owner, cell = _incidences(cells, sample_count)
+    starts = np.flatnonzero(np.diff(owner, prepend=-1))
+    sample = owner[starts]
+    run = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(owner)))
+
+    arms = centres[cell] - delaunay.sites[owner]
+    squares = np.einsum("ij,ij->i", arms, arms)
+    first = _first_maximum(squares, starts, run)
+    behind = np.einsum("ij,ij->i", arms, arms[first][run]) <= 0.0
+    second = _first_maximum(np.where(behind, squares, -1.0), starts, run)
+    paired = behind[second]
+
+    poles, number = np.unique(
+        np.concatenate([cell[first], cell[second[paired]]]), return_inverse=True
+    )
+    pairs = np.stack([number[: len(first)][paired], number[len(first) :]], axis=1)
+    samples = cells[poles]
+    arms_of_poles = centres[poles] - delaunay.sites[samples[:, 0]]
+    return Poles(
+        sites=delaunay.sites,
+        centres=centres[poles],
+        radii=np.linalg.norm(arms_of_poles, axis=1),
+        samples=samples,
+        pairs=pairs.astype(np.int64),
+        pair_samples=sample[paired],
+        outermost=(samples >= sample_count).any(axis=1),
+    )
+
+
+def _incidences(cells: Indices, sample_count: int) -> tuple[Indices, Indices]:
+    """Return (sample, cell) for every corner that is a sample, sorted by sample, then by cell."""
+    owner = cells.ravel()
+    order = np.argsort(owner, kind="stable")
+    order = order[: np.searchsorted(owner[order], sample_count)]
+    return owner[order], order // 4
+
+
+def _first_maximum(values: Floats, starts: Indices, run: Indices) -> Indices:
+    """Return, for each run of ``values``, the index of its first largest entry."""
+    largest = np.maximum.reduceat(values, starts)
+    candidates = np.flatnonzero(values == largest[run])
+    _, position = np.unique(run[candidates], return_index=True)
+    return candidates[position]
