@@ -158,9 +158,7 @@ def _cheapest(rows: Indices, columns: Indices, costs: Floats, size: int) -> csr_
     return csr_matrix((costs[first], (rows[first], columns[first])), shape=(size, size))
 
 
-def _minimum_cut(
-    graph: _Graph, to_outer: Floats, to_inner: Floats, outer: Booleans
-) -> Booleans:
+def _minimum_cut(graph: _Graph, to_outer: Floats, to_inner: Floats, outer: Booleans) -> Booleans:
     """Return (p,) True for poles on the inner side of the cheapest cut."""
     count = len(outer)
     source, sink = count, count + 1  # outside, inside

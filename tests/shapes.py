@@ -1,0 +1,71 @@
+"""Shapes whose answers are known in closed form, and the motions that must not matter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+def fibonacci_sphere(count: int, radius: float = 1.0) -> np.ndarray:
+    """(count, 3) evenly spread points of a sphere."""
+    k = np.arange(count) + 0.5
+    height = 1.0 - 2.0 * k / count
+    angle = np.pi * (1.0 + np.sqrt(5.0)) * k
+    ring = np.sqrt(1.0 - height**2)
+    return radius * np.stack([ring * np.cos(angle), ring * np.sin(angle), height], axis=1)
+
+
+def torus(count: int, major: float = 1.0, minor: float = 0.4, seed: int = 0) -> np.ndarray:
+    """(count, 3) random points of a torus, uniform in area."""
+    rng = np.random.default_rng(seed)
+    u = rng.random(8 * count) * 2 * np.pi
+    v = rng.random(8 * count) * 2 * np.pi
+    keep = rng.random(8 * count) < (major + minor * np.cos(v)) / (major + minor)
+    u, v = u[keep][:count], v[keep][:count]
+    ring = major + minor * np.cos(v)
+    return np.stack([ring * np.cos(u), ring * np.sin(u), minor * np.sin(v)], axis=1)
+
+
+def box_lattice(steps: int) -> np.ndarray:
+    """Points of the surface of the integer lattice 0..steps: cospherical everywhere."""
+    grid = np.stack(np.meshgrid(*[np.arange(steps + 1.0)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    return grid[((grid == 0) | (grid == steps)).any(axis=1)]
+
+
+def rotation(seed: int) -> np.ndarray:
+    """A random proper rotation."""
+    q, r = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    q = q * np.sign(np.diag(r))
+    q[:, 0] *= np.sign(np.linalg.det(q))
+    return q
+
+
+@dataclass(frozen=True)
+class Motion:
+    """x -> scale * rotation x + shift."""
+
+    name: str
+    turn: np.ndarray
+    scale: float
+    shift: np.ndarray
+
+    def __call__(self, points: np.ndarray) -> np.ndarray:
+        return self.scale * points @ self.turn.T + self.shift
+
+    def back(self, points: np.ndarray) -> np.ndarray:
+        return (points - self.shift) @ self.turn / self.scale
+
+    def planes(self, planes: np.ndarray) -> np.ndarray:
+        normals = planes[:, :3] @ self.turn.T
+        offsets = self.scale * planes[:, 3] - normals @ self.shift
+        return np.column_stack([normals, offsets])
+
+
+MOTIONS = (
+    Motion("rotated", rotation(1), 1.0, np.zeros(3)),
+    Motion("shifted", np.eye(3), 1.0, np.array([1e3, -2e3, 5e2])),
+    Motion("small", np.eye(3), 1e-3, np.zeros(3)),
+    Motion("large", np.eye(3), 1e6, np.zeros(3)),
+    Motion("moved", rotation(2), 37.0, np.array([100.0, 20.0, -300.0])),
+)
