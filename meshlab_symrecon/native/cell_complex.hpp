@@ -1,0 +1,85 @@
+// The cells of a triangulation of space with one vertex at infinity, and their adjacency.
+//
+// Every facet belongs to exactly two cells. A cell with the infinite vertex stands for the outside of a hull facet; it
+// is oriented as if the vertex were a point beyond that facet.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+namespace symrecon {
+
+constexpr std::int32_t infinite = -1;
+
+struct Cell {
+  std::array<std::int32_t, 4> vertex;
+  std::array<std::int32_t, 4> neighbour;  // neighbour[k] lies opposite vertex[k]
+
+  bool is_infinite() const { return (vertex[0] | vertex[1] | vertex[2] | vertex[3]) < 0; }
+
+  int place_of_infinite() const {
+    for (int k = 0; k < 4; ++k)
+      if (vertex[k] == infinite) return k;
+    return -1;
+  }
+
+  int place_of_neighbour(std::int32_t other) const {
+    int k = 0;
+    while (neighbour[k] != other) ++k;
+    return k;
+  }
+};
+
+// Replacing vertex k by a point p keeps the orientation of (row k, p).
+constexpr int facet_vertices[4][3] = {{2, 1, 3}, {0, 2, 3}, {1, 0, 3}, {0, 1, 2}};
+
+class CellComplex {
+ public:
+  enum Mark : std::uint8_t { unvisited, outside_cavity, in_cavity, deleted };
+
+  void reserve(std::size_t count) {
+    cells_.reserve(count);
+    marks_.reserve(count);
+  }
+
+  std::int32_t create() {
+    if (!free_.empty()) {
+      const std::int32_t index = free_.back();
+      free_.pop_back();
+      marks_[index] = unvisited;
+      return index;
+    }
+    if (cells_.size() >= std::size_t(std::numeric_limits<std::int32_t>::max()))
+      throw std::length_error("the triangulation needs more cells than 32-bit indices can number");
+    cells_.emplace_back();
+    marks_.push_back(unvisited);
+    return std::int32_t(cells_.size() - 1);
+  }
+
+  void destroy(std::int32_t index) {
+    marks_[index] = deleted;
+    free_.push_back(index);
+  }
+
+  Cell& operator[](std::int32_t index) { return cells_[index]; }
+  const Cell& operator[](std::int32_t index) const { return cells_[index]; }
+  std::uint8_t& mark(std::int32_t index) { return marks_[index]; }
+  bool exists(std::int32_t index) const { return marks_[index] != deleted; }
+  std::int32_t size() const { return std::int32_t(cells_.size()); }
+
+  void release() {
+    std::vector<Cell>().swap(cells_);
+    std::vector<std::uint8_t>().swap(marks_);
+    std::vector<std::int32_t>().swap(free_);
+  }
+
+ private:
+  std::vector<Cell> cells_;
+  std::vector<std::uint8_t> marks_;
+  std::vector<std::int32_t> free_;
+};
+
+}  // namespace symrecon

@@ -1,0 +1,142 @@
+// The exact signs that the triangulation is built on.
+//
+//   orientation(a, b, c, d)     sign of det[b - a, c - a, d - a]: +1 when the cell a b c d is positively oriented
+//   power_test(a, b, c, d, e)   for a positive cell: +1 when e has negative power to its orthosphere ("in conflict"),
+//                               that is, when the lifted e = (p, |p|^2 - w) lies below the lifted cell
+//   perturbed_power_test        the same, never 0 for a positive cell and five different positions
+//
+// Three stages: plain doubles with a certified bound, double-doubles with a certified bound, integers.
+// The bounds are absolute errors relative to the permanent (the determinant's formula with every term made positive).
+//
+// Both determinants are evaluated on differences to the last argument. Writing u = 2^-53, count the roundings (factors
+// 1 + delta, |delta| <= u) that any one term of the expanded determinant passes through:
+//   difference 1; minor xy: 2 differences, product 1, difference of products 1                         ->  4
+//   minor xyz: minor xy 4, difference 1, product 1, two additions 2                                    ->  8
+//   lift x^2 + y^2 + z^2 - dw: 2 differences, square 1, three additions 3                              ->  6
+//   power test: minor xyz 8, lift 6, product 1, two additions 2                                        -> 17
+// so the orientation is off by at most ((1 + u)^8 - 1) P and the power test by ((1 + u)^17 - 1) P with the exact
+// permanent P. The computed permanent passes through as many roundings, hence P <= P' (1 + 18 u), and 10 u and 20 u
+// bound both effects and the rounding of the bound itself.
+// In double-doubles the differences are exact; a product costs 8 u^2 and a sum 8 u^2 (double_double.hpp):
+//   minor xy 16, minor xyz 16 + 8 + 16 = 40, lift 8 + 24 = 32, power test 40 + 32 + 8 + 16 = 96 u^2, and 40 u^2 for
+// the orientation; 64 u^2 and 128 u^2 leave room for the permanent.
+// Underflow: one product may lose up to 2^-1074, multiplied later by at most a lift and a difference. Margins::safe
+// states the size of input for which the margins below cover all of them; larger input has infinite margins, so that
+// every sign comes from the integers. Overflow and NaN fail every comparison and end there too.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "site.hpp"
+
+namespace symrecon {
+
+constexpr int undecided = 2;
+
+// Absolute errors by underflow, which no bound relative to a permanent covers.
+struct Margins {
+  double orientation;
+  double power;
+
+  // Differences at most 2^101, differences of weights at most 2^201: an underflow of 2^-1074 grows by at most
+  // 2^101 (orientation) or 2^101 * 2^204 (power), a hundred of them by 2^7 more.
+  static Margins safe() { return {std::ldexp(1.0, -900), std::ldexp(1.0, -700)}; }
+  static Margins never() {
+    return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  }
+};
+
+constexpr double unit_roundoff = 1.1102230246251565e-16;  // 2^-53
+constexpr double orientation_bound = 10 * unit_roundoff;
+constexpr double power_bound = 20 * unit_roundoff;
+constexpr double fine_orientation_bound = 64 * unit_roundoff * unit_roundoff;
+constexpr double fine_power_bound = 128 * unit_roundoff * unit_roundoff;
+
+inline int certified_sign(double value, double bound) {
+  if (value > bound) return 1;
+  if (value < -bound) return -1;
+  return undecided;
+}
+
+// Stage 1. `permanent` is handed on to stage 2.
+inline int filtered_orientation(const Site& a, const Site& b, const Site& c, const Site& d, double margin,
+                                double& permanent) {
+  const double ax = a.x - d.x, ay = a.y - d.y, az = a.z - d.z;
+  const double bx = b.x - d.x, by = b.y - d.y, bz = b.z - d.z;
+  const double cx = c.x - d.x, cy = c.y - d.y, cz = c.z - d.z;
+  const double bxcy = bx * cy, cxby = cx * by, cxay = cx * ay, axcy = ax * cy, axby = ax * by, bxay = bx * ay;
+  // relative to d the determinant changes its sign
+  const double determinant = az * (cxby - bxcy) + bz * (axcy - cxay) + cz * (bxay - axby);
+  permanent = std::fabs(az) * (std::fabs(bxcy) + std::fabs(cxby)) + std::fabs(bz) * (std::fabs(cxay) + std::fabs(axcy)) +
+              std::fabs(cz) * (std::fabs(axby) + std::fabs(bxay));
+  return certified_sign(determinant, orientation_bound * permanent + margin);
+}
+
+inline int filtered_power_test(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e, double margin,
+                               double& permanent) {
+  const double ax = a.x - e.x, ay = a.y - e.y, az = a.z - e.z, aw = a.weight - e.weight;
+  const double bx = b.x - e.x, by = b.y - e.y, bz = b.z - e.z, bw = b.weight - e.weight;
+  const double cx = c.x - e.x, cy = c.y - e.y, cz = c.z - e.z, cw = c.weight - e.weight;
+  const double dx = d.x - e.x, dy = d.y - e.y, dz = d.z - e.z, dw = d.weight - e.weight;
+  const double axby = ax * by, bxay = bx * ay, bxcy = bx * cy, cxby = cx * by, cxdy = cx * dy, dxcy = dx * cy;
+  const double dxay = dx * ay, axdy = ax * dy, axcy = ax * cy, cxay = cx * ay, bxdy = bx * dy, dxby = dx * by;
+  const double ab = axby - bxay, bc = bxcy - cxby, cd = cxdy - dxcy, da = dxay - axdy, ac = axcy - cxay,
+               bd = bxdy - dxby;
+  const double a2 = ax * ax + ay * ay + az * az, b2 = bx * bx + by * by + bz * bz;
+  const double c2 = cx * cx + cy * cy + cz * cz, d2 = dx * dx + dy * dy + dz * dz;
+  const double determinant = ((a2 - aw) * (bz * cd - cz * bd + dz * bc) - (b2 - bw) * (cz * da + dz * ac + az * cd)) +
+                             ((c2 - cw) * (dz * ab + az * bd + bz * da) - (d2 - dw) * (az * bc - bz * ac + cz * ab));
+  const double ab_ = std::fabs(axby) + std::fabs(bxay), bc_ = std::fabs(bxcy) + std::fabs(cxby);
+  const double cd_ = std::fabs(cxdy) + std::fabs(dxcy), da_ = std::fabs(dxay) + std::fabs(axdy);
+  const double ac_ = std::fabs(axcy) + std::fabs(cxay), bd_ = std::fabs(bxdy) + std::fabs(dxby);
+  const double az_ = std::fabs(az), bz_ = std::fabs(bz), cz_ = std::fabs(cz), dz_ = std::fabs(dz);
+  permanent = ((a2 + std::fabs(aw)) * (bz_ * cd_ + cz_ * bd_ + dz_ * bc_) +
+               (b2 + std::fabs(bw)) * (cz_ * da_ + dz_ * ac_ + az_ * cd_)) +
+              ((c2 + std::fabs(cw)) * (dz_ * ab_ + az_ * bd_ + bz_ * da_) +
+               (d2 + std::fabs(dw)) * (az_ * bc_ + bz_ * ac_ + cz_ * ab_));
+  return certified_sign(determinant, power_bound * permanent + margin);
+}
+
+// Stage 2.
+int fine_orientation(const Site& a, const Site& b, const Site& c, const Site& d, double bound);
+int fine_power_test(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e, double bound);
+
+// Stage 3.
+int exact_orientation(const Site& a, const Site& b, const Site& c, const Site& d);
+int exact_power_test(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e);
+
+// Stages 2 and 3 in turn.
+int unfiltered_orientation(const Site& a, const Site& b, const Site& c, const Site& d, double permanent,
+                           const Margins& margins);
+int unfiltered_power_test(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e, double permanent,
+                          const Margins& margins);
+
+inline int orientation(const Site& a, const Site& b, const Site& c, const Site& d, const Margins& margins) {
+  double permanent;
+  const int sign = filtered_orientation(a, b, c, d, margins.orientation, permanent);
+  return sign != undecided ? sign : unfiltered_orientation(a, b, c, d, permanent, margins);
+}
+
+inline int power_test(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e,
+                      const Margins& margins) {
+  double permanent;
+  const int sign = filtered_power_test(a, b, c, d, e, margins.power, permanent);
+  return sign != undecided ? sign : unfiltered_power_test(a, b, c, d, e, permanent, margins);
+}
+
+// The sign after an infinitesimal growth of the weights, w_i + epsilon^rank(i), rank = lexicographic order of the
+// positions (Devillers and Teillaud, "Perturbations and vertex removal in a 3D Delaunay triangulation", SODA 2003).
+int perturbation_sign(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e,
+                      const Margins& margins);
+
+inline int perturbed_power_test(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e,
+                                const Margins& margins) {
+  const int sign = power_test(a, b, c, d, e, margins);
+  return sign != 0 ? sign : perturbation_sign(a, b, c, d, e, margins);
+}
+
+// True when three positions lie on one line.
+bool collinear(const Site& a, const Site& b, const Site& c);
+
+}  // namespace symrecon
