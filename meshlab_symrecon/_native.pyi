@@ -9,9 +9,7 @@ def regular_triangulation(
     points: NDArray[np.float64],
     weights: NDArray[np.float64],
     progress: Callable[[float], object] | None = None,
-) -> tuple[
-    int, NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]
-]: ...
+) -> tuple[int, NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]: ...
 def orthocentres(
     points: NDArray[np.float64], weights: NDArray[np.float64], cells: NDArray[np.int32]
 ) -> NDArray[np.float64]: ...
@@ -20,3 +18,13 @@ def power_test(
     points: NDArray[np.float64], weights: NDArray[np.float64], stage: int = 0
 ) -> int: ...
 def perturbed_power_test(points: NDArray[np.float64], weights: NDArray[np.float64]) -> int: ...
+def mixed_edge_polygons(
+    cells: NDArray[np.int32], neighbours: NDArray[np.int32], inside: NDArray[np.uint8]
+) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]: ...
+def contract_edges(
+    points: NDArray[np.float64],
+    faces: NDArray[np.int32],
+    anchor: NDArray[np.int32],
+    anchor_points: NDArray[np.float64],
+    shortest: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...

@@ -67,8 +67,8 @@ void bind_crust(nb::module_& module) {
         Contraction result;
         {
           nb::gil_scoped_release release;
-          result = contract_edges(rows<Point>(points), rows<Triangle>(faces), row(anchor),
-                                  rows<Point>(anchor_points), row(shortest));
+          result = contract_edges(rows<Position>(points), rows<Triangle>(faces), row(anchor),
+                                  rows<Position>(anchor_points), row(shortest));
         }
         return nb::make_tuple(give_rows<double>(std::move(result.points)),
                               give_rows<std::int32_t>(std::move(result.faces)));

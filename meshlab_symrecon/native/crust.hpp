@@ -9,7 +9,7 @@ namespace symrecon {
 
 using Quad = std::array<std::int32_t, 4>;
 using Triangle = std::array<std::int32_t, 3>;
-using Point = std::array<double, 3>;
+using Position = std::array<double, 3>;
 
 // Polygons of the power diagram that part an inner cell from an outer one.
 struct Polygons {
@@ -26,7 +26,7 @@ Polygons mixed_edge_polygons(const std::vector<Quad>& cells, const std::vector<Q
 
 // A triangle surface while its edges are contracted.
 struct Contraction {
-  std::vector<Point> points;
+  std::vector<Position> points;
   std::vector<Triangle> faces;       // of the surviving vertices
   std::vector<std::int32_t> origin;  // surviving vertex -> one of the vertices it was made of
   std::int64_t refused = 0;          // edges kept because contracting them would pinch the surface
@@ -35,9 +35,9 @@ struct Contraction {
 // Contract edges of a closed manifold where the link condition holds (so that it stays one):
 // first edges whose ends carry the same anchor >= 0 (they meet at the anchor's position), then edges
 // shorter than `shortest` of their ends, unless a face would turn over.
-Contraction contract_edges(std::vector<Point> points, std::vector<Triangle> faces,
+Contraction contract_edges(std::vector<Position> points, std::vector<Triangle> faces,
                            const std::vector<std::int32_t>& anchor,
-                           const std::vector<Point>& anchor_points,
+                           const std::vector<Position>& anchor_points,
                            const std::vector<double>& shortest);
 
 }  // namespace symrecon

@@ -8,19 +8,19 @@
 namespace symrecon {
 namespace {
 
-Point minus(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Position minus(const Position& a, const Position& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
-Point cross(const Point& a, const Point& b) {
+Position cross(const Position& a, const Position& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot(const Position& a, const Position& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 // Faces round each vertex as linked lists of corners: corner 3 f + k is vertex k of face f.
 // Joining two vertices joins their lists in constant time; dead faces are passed over.
 class Surface {
  public:
-  Surface(std::vector<Point> points, std::vector<Triangle> faces)
+  Surface(std::vector<Position> points, std::vector<Triangle> faces)
       : points_(std::move(points)),
         faces_(std::move(faces)),
         alive_(faces_.size(), 1),
@@ -41,12 +41,12 @@ class Surface {
     return vertex;
   }
 
-  const Point& point(std::int32_t vertex) const { return points_[vertex]; }
+  const Position& point(std::int32_t vertex) const { return points_[vertex]; }
   const std::vector<Triangle>& faces() const { return faces_; }
   bool alive(std::size_t face) const { return alive_[face]; }
 
   // Contract the edge (gone, kept) to `place`; false when that would pinch or turn the surface.
-  bool contract(std::int32_t gone, std::int32_t kept, const Point& place, bool keep_facing) {
+  bool contract(std::int32_t gone, std::int32_t kept, const Position& place, bool keep_facing) {
     gather(gone, faces_gone_, ring_gone_);
     gather(kept, faces_kept_, ring_kept_);
     if (!link_condition(gone, kept)) return false;
@@ -102,17 +102,17 @@ class Surface {
 
   // Whether a face at `moved` that survives would face away from where it faced.
   bool turns(const std::vector<std::int32_t>& faces, std::int32_t moved, std::int32_t other,
-             const Point& place) const {
+             const Position& place) const {
     for (const std::int32_t face : faces) {
       const Triangle& corners = faces_[face];
       if (has(corners, other)) continue;
-      Point now[3], then[3];
+      Position now[3], then[3];
       for (int k = 0; k < 3; ++k) {
         now[k] = points_[corners[k]];
         then[k] = corners[k] == moved ? place : now[k];
       }
-      const Point before = cross(minus(now[1], now[0]), minus(now[2], now[0]));
-      const Point after = cross(minus(then[1], then[0]), minus(then[2], then[0]));
+      const Position before = cross(minus(now[1], now[0]), minus(now[2], now[0]));
+      const Position after = cross(minus(then[1], then[0]), minus(then[2], then[0]));
       constexpr double kSteepest = 0.2;  // cosine: a face may turn by 78 degrees at the most
       if (dot(before, after) < kSteepest * std::sqrt(dot(before, before) * dot(after, after)) ||
           dot(after, after) == 0.0)
@@ -135,7 +135,7 @@ class Surface {
     tail_[vertex] = last;
   }
 
-  std::vector<Point> points_;
+  std::vector<Position> points_;
   std::vector<Triangle> faces_;
   std::vector<std::uint8_t> alive_;
   std::vector<std::int32_t> next_, head_, tail_, parent_;
@@ -160,7 +160,7 @@ std::vector<Edge> living_edges(const Surface& surface) {
     for (int k = 0; k < 3; ++k) {
       const std::int32_t start = corners[k], end = corners[(k + 1) % 3];
       if (start > end) continue;  // the face on the other side has it the other way round
-      const Point side = minus(surface.point(start), surface.point(end));
+      const Position side = minus(surface.point(start), surface.point(end));
       edges.push_back({std::sqrt(dot(side, side)), start, end});
     }
   }
@@ -168,7 +168,7 @@ std::vector<Edge> living_edges(const Surface& surface) {
 }
 
 void contract_to_anchors(Surface& surface, std::vector<std::int32_t>& anchor,
-                         const std::vector<Point>& anchor_points) {
+                         const std::vector<Position>& anchor_points) {
   for (bool changed = true; changed;) {
     changed = false;
     for (const Edge& edge : living_edges(surface)) {
@@ -197,7 +197,7 @@ std::int64_t contract_short(Surface& surface, const std::vector<std::int32_t>& a
       std::int32_t start = surface.find(edge.start), end = surface.find(edge.end);
       if (start == end) continue;
       if (anchor[end] >= 0 && anchor[start] < 0) std::swap(start, end);  // samples stay in place
-      Point place = surface.point(start);
+      Position place = surface.point(start);
       if (anchor[start] < 0)
         for (int axis = 0; axis < 3; ++axis)
           place[axis] = 0.5 * (surface.point(start)[axis] + surface.point(end)[axis]);
@@ -211,9 +211,9 @@ std::int64_t contract_short(Surface& surface, const std::vector<std::int32_t>& a
 
 }  // namespace
 
-Contraction contract_edges(std::vector<Point> points, std::vector<Triangle> faces,
+Contraction contract_edges(std::vector<Position> points, std::vector<Triangle> faces,
                            const std::vector<std::int32_t>& anchor,
-                           const std::vector<Point>& anchor_points,
+                           const std::vector<Position>& anchor_points,
                            const std::vector<double>& shortest) {
   const std::size_t count = points.size();
   Surface surface(std::move(points), std::move(faces));

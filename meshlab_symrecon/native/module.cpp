@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "bindings.hpp"
 #include "orthocentres.hpp"
 #include "predicates.hpp"
 #include "regular_triangulation.hpp"
@@ -125,4 +126,5 @@ NB_MODULE(_native, module) {
   module.def("orientation", &orientation_of, nb::arg("points"), nb::arg("stage") = int(all_stages));
   module.def("power_test", &power_test_of, nb::arg("points"), nb::arg("weights"), nb::arg("stage") = int(all_stages));
   module.def("perturbed_power_test", &perturbed_power_test_of, nb::arg("points"), nb::arg("weights"));
+  bind_crust(module);
 }
