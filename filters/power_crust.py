@@ -17,6 +17,10 @@ from meshlab_symrecon.powercrust.reconstruction import PowerCrust, reconstruct
 
 LABEL = "power crust"
 AXIS_LABEL = "medial axis"
+HULL_WARNING = (
+    "the points are too few or too flat to tell inside from outside, "
+    "so the surface is their convex hull"
+)
 
 
 class Parameters(ParameterSet):
@@ -49,7 +53,8 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
         "poles": crust.poles,
         "unlabelled_poles": crust.unreached_poles,
     }
-    return Outcome(tuple(added), current=0, measures=measures)
+    warnings = (HULL_WARNING,) if crust.hull else ()
+    return Outcome(tuple(added), current=0, measures=measures, warnings=warnings)
 
 
 def _surface(source: Layer, crust: PowerCrust) -> Layer:

@@ -27,6 +27,19 @@ def torus(count: int, major: float = 1.0, minor: float = 0.4, seed: int = 0) -> 
     return np.stack([ring * np.cos(u), ring * np.sin(u), minor * np.sin(v)], axis=1)
 
 
+def torus_mesh(rows: int, columns: int) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and triangles of a torus of radii 1 and 0.4, facing outward."""
+    i, j = (grid.ravel() for grid in np.meshgrid(*map(np.arange, (rows, columns)), indexing="ij"))
+    u, v = 2 * np.pi * i / rows, 2 * np.pi * j / columns
+    ring = 1.0 + 0.4 * np.cos(v)
+    points = np.stack([ring * np.cos(u), ring * np.sin(u), 0.4 * np.sin(v)], axis=1)
+    right, up = ((i + 1) % rows) * columns + j, i * columns + (j + 1) % columns
+    across = ((i + 1) % rows) * columns + (j + 1) % columns
+    here = i * columns + j
+    faces = [np.stack([here, right, across], 1), np.stack([here, across, up], 1)]
+    return points, np.concatenate(faces)
+
+
 def box_lattice(steps: int) -> np.ndarray:
     """Points of the surface of the integer lattice 0..steps: cospherical everywhere."""
     grid = np.stack(np.meshgrid(*[np.arange(steps + 1.0)] * 3, indexing="ij"), -1).reshape(-1, 3)

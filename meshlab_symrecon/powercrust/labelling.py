@@ -76,6 +76,8 @@ def label_poles(poles: Poles, diagram: Triangulation) -> Labels:
     graph = _pole_graph(poles, diagram)
     to_outer, to_inner = _path_costs(poles, graph, outer, representative)
     inside = _minimum_cut(graph, to_outer, to_inner, outer)
+    if not inside.any():  # so few poles that the cut prefers none inside: the paths alone decide
+        inside = to_inner < to_outer
     reached = np.isfinite(to_outer) | np.isfinite(to_inner)
     shown = np.zeros(len(outer), dtype=bool)
     shown[np.unique(diagram.cells)] = True

@@ -11,6 +11,7 @@ from meshlab_symrecon.geometry.triangulation import Triangulation, circumcentres
 
 __all__ = ["ENCLOSURE", "Poles", "enclose", "find_poles"]
 
+FLAT = 1e-12  # of the spread of the poles
 ENCLOSURE = 4.0  # half side of the enclosing cube / longest side of the box, as in the original
 
 
@@ -42,6 +43,12 @@ class Poles:
     pairs: Indices
     pair_samples: Indices
     outermost: Booleans
+
+    @property
+    def rank(self) -> int:
+        """Dimensions that the poles span; below 3 for a handful of cospherical samples."""
+        spread = np.linalg.svd(self.centres - self.centres.mean(axis=0), compute_uv=False)
+        return int(np.count_nonzero(spread > FLAT * spread[0]))
 
 
 def enclose(samples: Points) -> Points:

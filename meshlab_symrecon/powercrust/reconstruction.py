@@ -21,6 +21,7 @@ from meshlab_symrecon.powercrust.poles import enclose, find_poles
 
 __all__ = ["PowerCrust", "reconstruct"]
 
+FEWEST = 5  # samples; four bound a tetrahedron that says nothing about a shape
 FLAT = 1e-9  # diagonals; a thinner cloud has no inside that rounding would not drown
 
 
@@ -41,6 +42,9 @@ class PowerCrust:
         Poles that no evidence labels; they count as outside.
     flipped_poles : int
         Poles of islands and bubbles too small to belong to the shape.
+    hull : bool
+        The samples were too sparse or too flat to tell inside from outside, so the surface is
+        their convex hull.
     """
 
     points: Points
@@ -50,6 +54,7 @@ class PowerCrust:
     poles: int
     unreached_poles: int
     flipped_poles: int
+    hull: bool
 
 
 def reconstruct(
@@ -60,15 +65,15 @@ def reconstruct(
     Parameters
     ----------
     points : (n, 3) float
-        Samples; at least four that are not in one plane.
+        Samples; at least five that are not in one plane.
     progress : callable, optional
         Told the fraction done and the step.
 
     Raises
     ------
     GeometryError
-        Wrong shape, a coordinate that is not finite, samples in one plane, or samples that
-        enclose no volume.
+        Wrong shape, a coordinate that is not finite, fewer than five samples, or samples in one
+        plane.
 
     Notes
     -----
@@ -77,22 +82,24 @@ def reconstruct(
     """
     report = progress or (lambda fraction, message: None)
     samples, centre, scale = _normalised(as_points(points))
-    report(0.0, "triangulating the samples")
-    voronoi = delaunay(enclose(samples))
-    report(0.2, "finding poles")
+    voronoi = delaunay(
+        enclose(samples), progress=_part(report, 0.0, 0.15, "triangulating the samples")
+    )
+    report(0.15, "finding poles")
     poles = find_poles(voronoi, len(samples))
-    report(0.3, "building the power diagram")
-    diagram = regular_triangulation(poles.centres, poles.radii**2)
-    report(0.6, "labelling poles")
+    if poles.rank < 3:
+        return _convex_hull(samples, centre, scale, len(poles.centres))
+    diagram = regular_triangulation(
+        poles.centres,
+        poles.radii**2,
+        progress=_part(report, 0.2, 0.55, "building the power diagram"),
+    )
+    report(0.55, "labelling poles")
     labels = label_poles(poles, diagram)
+    if not labels.inside.any():
+        return _convex_hull(samples, centre, scale, len(poles.centres))
     report(0.8, "extracting the surface")
     crust = crust_faces(poles, diagram, labels.inside)
-    if not len(crust.faces):
-        message = (
-            "the samples enclose no volume that the power crust could bound; "
-            f"got {len(samples)} points; use a denser or more complete cloud"
-        )
-        raise GeometryError(message)
     axis = medial_axis(poles, diagram, labels.inside)
     report(1.0, "done")
     return PowerCrust(
@@ -103,6 +110,27 @@ def reconstruct(
         poles=len(poles.centres),
         unreached_poles=labels.unreached,
         flipped_poles=labels.flipped,
+        hull=False,
+    )
+
+
+def _part(
+    report: Callable[[float, str], None], low: float, high: float, step: str
+) -> Callable[[float], None]:
+    """Return a callback that reports the progress of one step as a part of the whole."""
+    return lambda fraction: report(low + (high - low) * fraction, step)
+
+
+def _convex_hull(samples: Points, centre: Floats, scale: float, poles: int) -> PowerCrust:
+    """Return the hull of the samples: the closed surface of those that enclose no volume."""
+    cells = delaunay(samples)
+    sides = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # outward, opposite each corner
+    cell, corner = np.nonzero(cells.neighbours < 0)
+    used, faces = np.unique(cells.cells[cell[:, None], sides[corner]], return_inverse=True)
+    faces = faces.reshape(-1, 3).astype(np.int64)
+    axis = MedialAxis(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3), dtype=np.int64))
+    return PowerCrust(
+        samples[used] / scale + centre, faces, axis, topology(faces), poles, 0, 0, hull=True
     )
 
 
@@ -118,9 +146,9 @@ def _normalised(points: Points) -> tuple[Points, Floats, float]:
         spread = np.linalg.svd((points - points.mean(axis=0)) / extent, compute_uv=False)
         spread = np.append(spread / np.sqrt(len(points)), np.zeros(3))[:3]
         rank, thickness = int(np.count_nonzero(spread > FLAT)), float(spread[2])
-    if rank < 3:
+    if rank < 3 or len(points) < FEWEST:
         message = (
-            "power crust needs at least 4 points that are not in one plane; "
+            f"power crust needs at least {FEWEST} points that are not in one plane; "
             f"got {len(points)} points of rank {rank} (thickness {thickness:.1g} of the box); "
             "check the scan's units and selection"
         )

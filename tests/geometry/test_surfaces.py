@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
-from shapes import MOTIONS, fibonacci_sphere
+from shapes import MOTIONS, fibonacci_sphere, torus_mesh
 
 from meshlab_symrecon.geometry.surfaces import (
     enclosed_volume,
@@ -13,15 +13,6 @@ from meshlab_symrecon.geometry.surfaces import (
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-
-
-def torus_grid(rows: int, columns: int) -> np.ndarray:
-    i, j = np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij")
-    a, b = i * columns + j, ((i + 1) % rows) * columns + j
-    c, d = ((i + 1) % rows) * columns + (j + 1) % columns, i * columns + (j + 1) % columns
-    return np.concatenate(
-        [np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)]
-    )
 
 
 def test_tetrahedron():
@@ -36,7 +27,7 @@ def test_tetrahedron():
 
 
 def test_torus_has_genus_one_and_pieces_add_up():
-    ring = torus_grid(5, 7)
+    _, ring = torus_mesh(5, 7)
     assert topology(ring).genus == 1
     both = topology(np.concatenate([ring, TETRAHEDRON + ring.max() + 1, ring + 100]))
     assert (both.components, both.genus, both.euler) == (3, 2, 2)

@@ -1,0 +1,195 @@
+import numpy as np
+import pytest
+import shapes
+from scipy.spatial import cKDTree
+
+from meshlab_symrecon.errors import GeometryError
+from meshlab_symrecon.geometry.surfaces import enclosed_volume, topology
+from meshlab_symrecon.powercrust.reconstruction import reconstruct
+
+
+def assert_solid(crust, components=1, genus=0):
+    shape = crust.topology
+    assert shape.closed
+    assert shape.edge_manifold
+    assert shape.vertex_manifold
+    assert shape.oriented
+    assert (shape.components, shape.genus) == (components, genus)
+    assert enclosed_volume(crust.points, crust.faces) > 0
+    assert len(np.unique(crust.faces)) == len(crust.points)
+
+
+def noisy_sphere(count, noise, seed):
+    rng = np.random.default_rng(seed)
+    return shapes.fibonacci_sphere(count) * (1 + noise * rng.normal(size=(count, 1)))
+
+
+def test_volume_of_a_sphere_converges_at_second_order():
+    errors = []
+    for count in (500, 2000, 8000):
+        crust = reconstruct(shapes.fibonacci_sphere(count))
+        assert_solid(crust)
+        errors.append(abs(enclosed_volume(crust.points, crust.faces) * 0.75 / np.pi - 1))
+    # the spacing halves from step to step, so the error falls fourfold
+    assert errors[1] < errors[0] / 3
+    assert errors[2] < errors[1] / 3
+
+
+def test_a_torus_has_a_handle_and_its_volume():
+    crust = reconstruct(shapes.torus(6000, seed=3))
+    assert_solid(crust, genus=1)
+    assert enclosed_volume(crust.points, crust.faces) == pytest.approx(
+        2 * np.pi**2 * 0.4**2, rel=0.01
+    )
+
+
+@pytest.mark.parametrize("steps", [3, 8, 15])
+def test_a_lattice_box_is_a_box_to_the_last_bit(steps):
+    crust = reconstruct(shapes.box_lattice(steps))
+    assert_solid(crust)
+    assert crust.points.min() == 0.0
+    assert crust.points.max() == steps
+    assert enclosed_volume(crust.points, crust.faces) > 0.97 * steps**3
+
+
+def test_every_vertex_lies_near_the_samples():
+    samples = shapes.torus(4000, seed=8)
+    crust = reconstruct(samples)
+    spacing = np.median(cKDTree(samples).query(samples, k=2)[0][:, 1])
+    assert cKDTree(samples).query(crust.points)[0].max() < 8 * spacing
+
+
+def test_no_triangle_is_without_area():
+    crust = reconstruct(noisy_sphere(2000, 1e-3, 0))
+    a, b, c = (crust.points[crust.faces[:, k]] for k in range(3))
+    sides = np.linalg.norm([b - a, c - b, a - c], axis=2)
+    assert sides.min() > 0.0
+
+
+def test_two_bodies_stay_two():
+    ball = noisy_sphere(600, 1e-3, 1)
+    assert_solid(reconstruct(np.vstack([ball, ball + 3])), components=2)
+
+
+def test_duplicates_change_nothing():
+    ball = noisy_sphere(600, 1e-3, 2)
+    alone = reconstruct(ball)
+    doubled = reconstruct(np.vstack([ball, ball[::3], ball[::7]]))
+    assert_same_surface(alone, doubled, 1e-9)
+
+
+def assert_same_surface(one, other, tolerance):
+    assert one.faces.shape == other.faces.shape
+    gap, partner = cKDTree(other.points).query(one.points)
+    assert gap.max() < tolerance
+    mapped = np.sort(partner[one.faces], axis=1)
+    assert np.array_equal(np.unique(mapped, axis=0), np.unique(np.sort(other.faces, 1), axis=0))
+
+
+@pytest.mark.parametrize("motion", shapes.MOTIONS, ids=lambda motion: motion.name)
+def test_it_follows_motions(motion):
+    samples = noisy_sphere(800, 0.01, 4) * [1.0, 2.0, 0.7]
+    at_rest, moved = reconstruct(samples), reconstruct(motion(samples))
+    assert_solid(moved)
+    back = cKDTree(motion.back(moved.points))
+    spacing = np.median(cKDTree(samples).query(samples, k=2)[0][:, 1])
+    assert back.query(at_rest.points)[0].max() < 0.5 * spacing
+    assert enclosed_volume(moved.points, moved.faces) / motion.scale**3 == pytest.approx(
+        enclosed_volume(at_rest.points, at_rest.faces), rel=1e-4
+    )
+
+
+def test_the_order_of_the_samples_does_not_matter():
+    samples = noisy_sphere(800, 0.01, 5)
+    shuffled = samples[np.random.default_rng(0).permutation(len(samples))]
+    assert_same_surface(reconstruct(samples), reconstruct(shuffled), 1e-9)
+
+
+def test_same_input_same_bytes_and_input_untouched():
+    samples = noisy_sphere(500, 0.01, 6)
+    kept = samples.copy()
+    one, two = reconstruct(samples), reconstruct(samples)
+    assert one.points.tobytes() == two.points.tobytes()
+    assert one.faces.tobytes() == two.faces.tobytes()
+    assert np.array_equal(samples, kept)
+
+
+def test_noise_and_outliers_neither_open_nor_split_it():
+    rng = np.random.default_rng(7)
+    samples = noisy_sphere(4000, 0.005, 7)
+    outliers = rng.uniform(-1.5, 1.5, (40, 3))
+    crust = reconstruct(np.vstack([samples, outliers]))
+    assert_solid(crust)
+    assert enclosed_volume(crust.points, crust.faces) == pytest.approx(4 * np.pi / 3, rel=0.01)
+
+
+def test_a_hole_is_capped():
+    ball = noisy_sphere(3000, 1e-3, 8)
+    crust = reconstruct(ball[ball[:, 2] < 0.7])
+    assert_solid(crust)
+    cap = np.pi * 0.3**2 * (3 - 0.3) / 3  # volume above the plane z = 0.7
+    assert enclosed_volume(crust.points, crust.faces) == pytest.approx(
+        4 * np.pi / 3 - cap / 2, abs=cap / 2
+    )
+
+
+def test_the_medial_axis_of_a_sphere_is_its_centre():
+    crust = reconstruct(noisy_sphere(2000, 1e-9, 9))
+    deep = crust.axis.radii > 0.5
+    assert deep.any()
+    assert np.abs(crust.axis.points[deep]).max() < 1e-3
+    np.testing.assert_allclose(crust.axis.radii[deep], 1.0, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    "samples",
+    [
+        np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]]),
+        shapes.box_lattice(1),
+        np.random.default_rng(3).random((6, 3)),
+        np.random.default_rng(4).random((300, 3)),
+        np.vstack([shapes.fibonacci_sphere(200), 1e6 + shapes.fibonacci_sphere(200)]),
+    ],
+    ids=["five", "cube", "six", "filled", "far apart"],
+)
+def test_hard_input_still_gives_a_closed_manifold(samples):
+    crust = reconstruct(samples)
+    shape = crust.topology
+    assert shape.closed
+    assert shape.vertex_manifold
+    assert shape.oriented
+    assert enclosed_volume(crust.points, crust.faces) > 0
+
+
+def test_few_points_give_their_hull_and_say_so():
+    crust = reconstruct(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.1, 0.1, 0.1]]))
+    assert crust.hull
+    assert enclosed_volume(crust.points, crust.faces) == pytest.approx(1 / 6)
+    assert topology(crust.faces).euler == 2
+
+
+@pytest.mark.parametrize(
+    ("samples", "words"),
+    [
+        (np.zeros((0, 3)), "got 0 points"),
+        (np.eye(3), "got 3 points"),
+        (np.vstack([np.eye(3), np.ones(3)]), "at least 5 points"),
+        (np.ones((9, 3)), "rank 0"),
+        (np.outer(np.arange(10.0), [1, 2, 3]), "rank 1"),
+        (np.column_stack([np.random.default_rng(0).random((50, 2)), np.zeros(50)]), "rank 2"),
+        (np.full((9, 3), np.nan), "finite"),
+        (np.full((9, 3), np.inf), "finite"),
+        (np.zeros((9, 2)), "shape"),
+    ],
+    ids=["none", "three", "four", "equal", "line", "plane", "nan", "infinite", "flat array"],
+)
+def test_what_has_no_inside_is_refused(samples, words):
+    with pytest.raises(GeometryError, match=words):
+        reconstruct(samples)
+
+
+def test_progress_rises_to_one():
+    told = []
+    reconstruct(shapes.fibonacci_sphere(300), progress=lambda part, step: told.append(part))
+    assert told == sorted(told)
+    assert told[-1] == 1.0
