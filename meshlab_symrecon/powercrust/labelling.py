@@ -20,6 +20,7 @@ from scipy.sparse.csgraph import (
     dijkstra,
     maximum_flow,
 )
+from scipy.spatial import cKDTree
 
 from meshlab_symrecon.arrays import Booleans, Floats, Indices
 from meshlab_symrecon.geometry.triangulation import Triangulation
@@ -28,6 +29,10 @@ from meshlab_symrecon.powercrust.poles import Poles
 __all__ = ["Labels", "label_poles"]
 
 DEEPEST = 1.0 - 1e-9  # cosine of two equal balls; keeps -log of it above zero
+LONG = 3.0  # spacings: a sample with both poles farther than this lies on the surface for certain
+TYPICAL = 1.5  # times the median length, where noise makes most cells round
+STEEPNESS = 4.0  # power with which certainty falls with nearer poles
+NEIGHBOURS = 4
 SMOOTHNESS = 200.0  # capacity of an edge between balls that coincide
 TERMINAL = 20.0  # capacity gained with each unit of path confidence
 STRONGEST_TERMINAL = 400.0
@@ -140,7 +145,7 @@ def _path_costs(
     first, second = representative[poles.pairs].T
     useful = (angle < 0.0) & (first != second)
     first, second = first[useful], second[useful]
-    opposite = -np.log(np.minimum(-angle[useful], DEEPEST))
+    opposite = -np.log(np.minimum(-angle[useful], DEEPEST)) + _doubt(poles)[useful]
 
     rows = np.concatenate([start, start + count, first, first + count])
     columns = np.concatenate([end, end + count, second + count, second])
@@ -149,6 +154,24 @@ def _path_costs(
     cover = _cheapest(low, high, costs, 2 * count)
     cost = dijkstra(cover, directed=False, indices=np.flatnonzero(outer), min_only=True)
     return cost[:count], cost[count:]
+
+
+def _doubt(poles: Poles) -> Floats:
+    """Return (k,) the cost of believing that the surface parts the two poles of a sample.
+
+    The Voronoi cell of a sample on a well sampled surface is long and thin: both poles are much
+    farther away than the next samples.  An outlier's cell is round, and says nothing.  Where noise
+    makes most cells round, only those rounder than the median are doubted.
+    """
+    samples = poles.sites[:-8]
+    count = min(NEIGHBOURS + 1, len(samples))
+    apart = cKDTree(samples).query(poles.sites[poles.pair_samples], k=count)[0]
+    spacing = apart[:, 1:].mean(axis=1)
+    nearer = poles.radii[poles.pairs].min(axis=1)
+    length = nearer / spacing
+    certain = min(LONG, TYPICAL * float(np.median(length)))
+    doubt: Floats = STEEPNESS * np.maximum(0.0, np.log(certain / length))
+    return doubt
 
 
 def _cheapest(rows: Indices, columns: Indices, costs: Floats, size: int) -> csr_matrix:

@@ -12,7 +12,7 @@ from meshlab_symrecon.geometry.triangulation import Triangulation, circumcentres
 __all__ = ["ENCLOSURE", "Poles", "enclose", "find_poles"]
 
 FLAT = 1e-12  # of the spread of the poles
-ENCLOSURE = 4.0  # half side of the enclosing cube / longest side of the box, as in the original
+ENCLOSURE = 4.0  # half side of the enclosing cube / longest extent, as in the original
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,9 +52,10 @@ class Poles:
 
 
 def enclose(samples: Points) -> Points:
-    """Return the samples followed by the eight corners of a cube far round their box.
+    """Return the samples followed by the eight corners of a cube far round them.
 
-    The corners bound the Voronoi cell of every sample.
+    The corners bound the Voronoi cell of every sample.  The cube stands along the samples'
+    principal axes, so that the poles turn with the samples.
 
     Parameters
     ----------
@@ -64,10 +65,14 @@ def enclose(samples: Points) -> Points:
     -------
     (n + 8, 3) float
     """
-    low, high = samples.min(axis=0), samples.max(axis=0)
+    mean = samples.mean(axis=0)
+    axes = np.linalg.eigh(np.cov((samples - mean).T))[1]
+    along = (samples - mean) @ axes
+    low, high = along.min(axis=0), along.max(axis=0)
     half = ENCLOSURE * float((high - low).max())
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
-    return np.concatenate([samples, 0.5 * (low + high) + half * signs])
+    corners = mean + (0.5 * (low + high) + half * signs) @ axes.T
+    return np.concatenate([samples, corners])
 
 
 def find_poles(delaunay: Triangulation, sample_count: int) -> Poles:

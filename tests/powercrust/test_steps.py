@@ -1,5 +1,7 @@
 """Each step of the recipe on its own."""
 
+import itertools
+
 import numpy as np
 import pytest
 import shapes
@@ -18,10 +20,13 @@ def torus_poles(count=1500):
 
 
 def test_the_enclosure_is_a_cube_round_the_box():
-    samples = shapes.fibonacci_sphere(100) + [5.0, 0, 0]
+    samples = shapes.fibonacci_sphere(100) * [3.0, 2.0, 1.0] + np.array([5.0, 0, 0])
     corners = enclose(samples)[100:]
-    np.testing.assert_allclose(corners.mean(axis=0), [5, 0, 0], atol=0.02)
-    assert (np.abs(samples - corners.mean(axis=0)).max() * 3.9 < corners.max(axis=0)).all()
+    centre = corners.mean(axis=0)
+    np.testing.assert_allclose(centre, [5, 0, 0], atol=0.1)
+    sides = np.sort(np.linalg.norm(corners - corners[0], axis=1))[1:4]
+    np.testing.assert_allclose(sides, sides[0])
+    assert sides[0] == pytest.approx(8 * 6, rel=0.05)  # eight times the longest extent, 6
 
 
 def test_poles_are_the_farthest_voronoi_vertices_on_either_side():
@@ -71,7 +76,7 @@ def test_any_labels_give_a_closed_manifold():
         faces = np.array(
             [
                 (corners[start], corners[k], corners[k + 1])
-                for start, end in zip(offsets[:-1], offsets[1:], strict=True)
+                for start, end in itertools.pairwise(offsets)
                 for k in range(start + 1, end - 1)
             ]
         ).astype(np.int64)
