@@ -12,7 +12,7 @@ KEY = np.array([-0.50, 0.62, 0.60])  # from above the viewer's left shoulder
 KEY = KEY / np.linalg.norm(KEY)
 FILL = np.array([0.80, 0.05, 0.60])  # from the right, weaker
 FILL = FILL / np.linalg.norm(FILL)
-KEY_POWER, FILL_POWER, SKY_POWER, GROUND_POWER = 0.78, 0.16, 0.30, 0.10
+KEY_POWER, FILL_POWER, SKY_POWER, GROUND_POWER = 0.92, 0.16, 0.32, 0.12
 INSIDE = 0.35  # of the light reaches the back of a surface, so that a hole looks like one
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshlab_symrecon.arrays import as_faces, as_planes, as_points
+from meshlab_symrecon.arrays import Booleans, Floats, Points, as_faces, as_planes, as_points
 from meshlab_symrecon.errors import GeometryError, ParameterError
 from meshlab_symrecon.pictures.figure import Panel, save_panels
 from meshlab_symrecon.pictures.projection import Camera, fit, open_screen
@@ -61,11 +61,6 @@ def still(
     """
     heading, *lines = caption.split("\n")
     save_panels(path, [Panel(render(items, camera, size), heading, tuple(lines))])
-
-
-def _share(part: int, whole: int) -> str:
-    """Write a share in whole per cent."""
-    return f"{100.0 * part / max(1, whole):.0f} %"
 
 
 def _count(number: int) -> str:
@@ -145,15 +140,16 @@ def main_job_picture(  # noqa: PLR0913  the six arrays of the whole method, in i
     if captions is None:
         parts = (int(mirrored.sum()), float(share[faces].mean()) if len(faces) else 0.0)
         captions = _captions(len(scan), parts, len(faces), sheets)
-    legends = ((), LEGEND, LEGEND) if mirrored.any() else ((), (), ())
+    legend = LEGEND if mirrored.any() else ()
     panels = []
-    for items, caption, legend in zip(scenes, captions, legends, strict=True):
+    for items, caption in zip(scenes, captions, strict=True):
         heading, *lines = caption.split("\n")
-        panels.append(Panel(render(items, aimed, size), heading, tuple(lines), legend))
+        swatches = legend if panels else ()
+        panels.append(Panel(render(items, aimed, size), heading, tuple(lines), swatches))
     save_panels(path, panels, title)
 
 
-def _as_vector(values: ArrayLike, count: int, what: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _as_vector(values: ArrayLike, count: int, what: str) -> Floats:
     """Return a (count,) float64 copy of finite values."""
     vector = np.array(values, dtype=np.float64)
     if vector.shape != (count,) or not np.isfinite(vector).all():
@@ -165,12 +161,12 @@ def _as_vector(values: ArrayLike, count: int, what: str) -> np.ndarray[tuple[int
     return vector
 
 
-def _completed_cloud(points: np.ndarray, mirrored: np.ndarray, radius: float) -> PointCloud:  # type: ignore[type-arg]
+def _completed_cloud(points: Points, mirrored: Booleans, radius: float) -> PointCloud:
     """Return the completed cloud with the invented points in their own colour."""
-    return PointCloud(points, colours_by_share(mirrored), radius=radius)
+    return PointCloud(points, colours_by_share(mirrored.astype(float)), radius=radius)
 
 
-def _frame(camera: Camera, points: np.ndarray) -> tuple[Camera, tuple[int, int]]:  # type: ignore[type-arg]
+def _frame(camera: Camera, points: Points) -> tuple[Camera, tuple[int, int]]:
     """Aim the camera at everything that any panel shows, in panels as wide as that needs."""
     seen = points @ camera.axes().T
     spans = np.maximum(np.ptp(seen, axis=0), 1e-12)

@@ -48,18 +48,21 @@ def _offer(
 def splat_discs(buffer: DepthBuffer, item: int, projected: Points, radius: float) -> None:
     """Draw round discs of this radius, in pixels, that face the viewer."""
     reach = int(np.ceil(radius))
-    corner = np.floor(projected[:, :2]).astype(np.int64)
-    rest = projected[:, :2] - corner - 0.5
-    primitives = np.arange(len(projected))
-    for row in range(-reach, reach + 1):
-        for column in range(-reach, reach + 1):
-            x, y = corner[:, 0] + column, corner[:, 1] + row
-            covered = (column - rest[:, 0]) ** 2 + (row - rest[:, 1]) ** 2 <= radius**2
-            if row == column == 0:
-                covered[:] = True  # a disc smaller than a pixel is still seen
-            covered &= (0 <= x) & (x < buffer.width) & (0 <= y) & (y < buffer.height)
-            pixels = y[covered] * buffer.width + x[covered]
-            _offer(buffer, item, pixels, projected[covered, 2], primitives[covered])
+    steps = np.arange(-reach, reach + 1)
+    columns, rows = (grid.ravel() for grid in np.meshgrid(steps, steps))
+    own = (columns == 0) & (rows == 0)  # a disc smaller than a pixel is still seen
+    batch = max(1, CANDIDATES // len(own))
+    for start in range(0, len(projected), batch):
+        centres = projected[start : start + batch]
+        corner = np.floor(centres[:, :2]).astype(np.int64)
+        rest = centres[:, :2] - corner - 0.5
+        x, y = corner[:, :1] + columns, corner[:, 1:] + rows
+        covered = (columns - rest[:, :1]) ** 2 + (rows - rest[:, 1:]) ** 2 <= radius**2
+        covered |= own
+        covered &= (0 <= x) & (x < buffer.width) & (0 <= y) & (y < buffer.height)
+        which = np.nonzero(covered)[0]
+        pixels = y[covered] * buffer.width + x[covered]
+        _offer(buffer, item, pixels, centres[which, 2], start + which)
 
 
 def barycentric(corners: Floats, x: Floats, y: Floats) -> Floats:

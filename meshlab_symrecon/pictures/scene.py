@@ -195,7 +195,7 @@ def colours_by_share(share_invented: Floats) -> Colours:
     return colours
 
 
-def plane_sheet(plane: ArrayLike, points: Points, up: ArrayLike, margin: float = 0.06) -> PlaneSheet:
+def plane_sheet(plane: ArrayLike, points: Points, up: ArrayLike, margin: float = 0.04) -> PlaneSheet:
     """Cut a sheet out of a plane, upright and large enough for the points.
 
     Parameters

@@ -16,7 +16,7 @@ AZIMUTH = np.radians(38.0)  # from straight ahead towards the missing side
 ELEVATION = np.radians(7.0)  # the viewer looks down a little
 TRIAL = 160  # pixels a side of the trial pictures
 CELL = 8  # pixels: the grid on which points are counted
-COVER = 1.0  # spacings: discs of this radius close the surface
+COVER = 1.3  # spacings: discs of this radius close the surface
 
 
 def upright(points: Points, planes: Planes) -> Floats:
