@@ -106,7 +106,9 @@ def sample_evenly(
     for _ in range(30):
         cell = (low + high) / 2
         cells = np.floor((samples - samples.min(axis=0)) / cell).astype(np.int64)
-        first = np.unique(np.ravel_multi_index(cells.T, cells.max(axis=0) + 1), return_index=True)[1]
+        first = np.unique(np.ravel_multi_index(cells.T, cells.max(axis=0) + 1), return_index=True)[
+            1
+        ]
         if len(first) >= count:
             low, kept = cell, first
         else:

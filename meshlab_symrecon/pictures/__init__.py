@@ -1,1 +1,1 @@
-"""Pictures of clouds, meshes and mirror planes: a small renderer, and the picture of the main job."""
+"""Pictures of clouds, meshes and mirror planes, drawn in numpy."""

@@ -37,9 +37,9 @@ class Panel:
 def _matplotlib() -> tuple[Any, Any, Any]:
     """Import matplotlib, which is an extra, only when a picture is saved."""
     try:
-        from matplotlib import rc_context  # noqa: PLC0415
-        from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
-        from matplotlib.figure import Figure  # noqa: PLC0415
+        from matplotlib import rc_context
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
     except ImportError as error:
         message = (
             f"saving a picture needs matplotlib, which cannot be imported ({error}); "

@@ -68,7 +68,7 @@ def _count(number: int) -> str:
     return f"{number:,}".replace(",", "\N{THIN SPACE}")
 
 
-def main_job_picture(  # noqa: PLR0913  the six arrays of the whole method, in its order
+def main_job_picture(  # noqa: PLR0913, PLR0917  the six arrays of the whole method, in its order
     scan_points: ArrayLike,
     planes: ArrayLike,
     completed_points: ArrayLike,
@@ -141,7 +141,7 @@ def main_job_picture(  # noqa: PLR0913  the six arrays of the whole method, in i
         parts = (int(mirrored.sum()), float(share[faces].mean()) if len(faces) else 0.0)
         captions = _captions(len(scan), parts, len(faces), sheets)
     legend = LEGEND if mirrored.any() else ()
-    panels = []
+    panels: list[Panel] = []
     for items, caption in zip(scenes, captions, strict=True):
         heading, *lines = caption.split("\n")
         swatches = legend if panels else ()

@@ -78,15 +78,15 @@ class Screen:
     def project(self, points: Points) -> Points:
         """Return (n, 3) columns, rows (in pixels, downwards) and depths (in pixels, away)."""
         seen = (points - self.target) @ self.axes.T / self.unit
-        return np.column_stack(
-            [self.width / 2 + seen[:, 0], self.height / 2 - seen[:, 1], -seen[:, 2]]
-        )
+        columns, rows = self.width / 2 + seen[:, 0], self.height / 2 - seen[:, 1]
+        return np.column_stack([columns, rows, -seen[:, 2]])
 
     def unproject(self, pixels: Points) -> Points:
         """Return the points of the scene at these columns, rows and depths."""
         half = np.array([self.width / 2, self.height / 2, 0.0])
         seen = (pixels - half) * np.array([1.0, -1.0, -1.0]) * self.unit
-        return seen @ self.axes + self.target
+        points: Points = seen @ self.axes + self.target
+        return points
 
 
 def fit(camera: Camera, points: Points, size: tuple[int, int], margin: float = 0.06) -> Camera:

@@ -59,7 +59,7 @@ def splat_discs(buffer: DepthBuffer, item: int, projected: Points, radius: float
         x, y = corner[:, :1] + columns, corner[:, 1:] + rows
         covered = (columns - rest[:, :1]) ** 2 + (rows - rest[:, 1:]) ** 2 <= radius**2
         covered |= own
-        covered &= (0 <= x) & (x < buffer.width) & (0 <= y) & (y < buffer.height)
+        covered &= (x >= 0) & (x < buffer.width) & (y >= 0) & (y < buffer.height)
         which = np.nonzero(covered)[0]
         pixels = y[covered] * buffer.width + x[covered]
         _offer(buffer, item, pixels, centres[which, 2], start + which)

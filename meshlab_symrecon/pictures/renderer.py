@@ -65,7 +65,8 @@ def render(
     paper = (np.array(background) / 255.0) ** GAMMA
     scene = [item.corners if isinstance(item, PlaneSheet) else item.points for item in items]
     if not sum(len(points) for points in scene):
-        return np.broadcast_to(np.array(background, dtype=np.uint8), (height, width, 3)).copy()
+        blank: NDArray[np.uint8] = np.full((height, width, 3), background, dtype=np.uint8)
+        return blank
     fine = open_screen(camera, scene, width * SUPERSAMPLING, height * SUPERSAMPLING)
     seen = draw(items, fine, SUPERSAMPLING)
     light = _light(items, fine, seen)

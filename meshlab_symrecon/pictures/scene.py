@@ -195,7 +195,9 @@ def colours_by_share(share_invented: Floats) -> Colours:
     return colours
 
 
-def plane_sheet(plane: ArrayLike, points: Points, up: ArrayLike, margin: float = 0.04) -> PlaneSheet:
+def plane_sheet(
+    plane: ArrayLike, points: Points, up: ArrayLike, margin: float = 0.04
+) -> PlaneSheet:
     """Cut a sheet out of a plane, upright and large enough for the points.
 
     Parameters
@@ -219,7 +221,7 @@ def plane_sheet(plane: ArrayLike, points: Points, up: ArrayLike, margin: float =
     upward = np.asarray(up, dtype=float) - (np.asarray(up, dtype=float) @ normal) * normal
     length = np.linalg.norm(upward)
     if not length > 1e-9 * np.linalg.norm(up):
-        message = f"up must not run along the plane's normal; got {up}; give another direction"
+        message = f"up must not run along the plane's normal; got {up!r}; give another direction"
         raise GeometryError(message)
     axes = np.array([np.cross(upward / length, normal), upward / length])
     seen = cloud @ axes.T

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from meshlab_symrecon.arrays import Booleans, Faces, Floats, Points
 from meshlab_symrecon.pictures.projection import Screen
@@ -47,10 +48,11 @@ def vertex_normals(points: Points, faces: Faces) -> Points:
     return unit(sums)
 
 
-def unit(vectors: Floats) -> Floats:
+def unit(vectors: ArrayLike) -> Floats:
     """Scale the rows to length one; zero stays zero."""
-    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    scaled: Floats = vectors / np.maximum(lengths, np.finfo(float).tiny)
+    rows = np.asarray(vectors, dtype=np.float64)
+    lengths = np.linalg.norm(rows, axis=-1, keepdims=True)
+    scaled: Floats = rows / np.maximum(lengths, np.finfo(float).tiny)
     return scaled
 
 

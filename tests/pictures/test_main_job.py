@@ -63,9 +63,7 @@ def test_the_camera_stands_before_the_missing_side(egg, sign, front):
 
 def test_up_is_the_longest_axis_within_the_plane_and_does_not_lean_with_it(egg):
     lean = np.radians(40.0)
-    turn = np.array(
-        [[1, 0, 0], [0, np.cos(lean), -np.sin(lean)], [0, np.sin(lean), np.cos(lean)]]
-    )
+    turn = np.array([[1, 0, 0], [0, np.cos(lean), -np.sin(lean)], [0, np.sin(lean), np.cos(lean)]])
     planes = np.array([[1.0, 0.0, 0.0, 0.0]])
     np.testing.assert_allclose(upright(egg[0], planes), [0.0, 1.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(upright(egg[0] @ turn.T, planes), turn[:, 1], atol=0.05)

@@ -74,7 +74,7 @@ def test_depths_and_normals_of_a_sphere():
     rows, columns = np.nonzero(np.isfinite(seen.depth))
     at = screen.unproject(np.column_stack([columns + 0.5, rows + 0.5, seen.depth[rows, columns]]))
     assert np.abs(np.linalg.norm(at, axis=1) - 1.0).max() < 1e-3
-    assert np.abs((seen.normal[rows, columns] - at)).max() < 5e-3
+    assert np.abs(seen.normal[rows, columns] - at).max() < 5e-3
     assert not seen.inside.any()
 
 
