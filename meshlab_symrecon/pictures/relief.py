@@ -8,7 +8,6 @@ from meshlab_symrecon.arrays import Booleans, Floats
 
 __all__ = ["relief_normals", "shifted", "smooth_relief"]
 
-PASSES = 3  # three box-like passes come close to a Gaussian
 STEEP = 4.0  # pixels of depth a pixel: more than this is another surface
 
 
@@ -40,11 +39,13 @@ def smooth_relief(depth: Floats, mask: Booleans, radius: float) -> Floats:
     Notes
     -----
     A bilateral filter: a pixel counts less the more its depth differs, and nothing beyond the
-    steepest slope taken for one surface.
+    steepest slope taken for one surface. The taps come closer by half from pass to pass (a trous),
+    the last ones side by side, so that no weave is left between them.
     """
     smooth = np.where(mask, depth, np.inf)
-    stride = max(1, int(round(radius * 0.75)))
-    for _ in range(PASSES):
+    widest = max(1, int(round(radius)))
+    strides = [widest >> halving for halving in range(widest.bit_length())]
+    for stride in strides:
         total, weights = np.zeros_like(smooth), np.zeros_like(smooth)
         for rows in (-stride, 0, stride):
             for columns in (-stride, 0, stride):
