@@ -1,0 +1,1 @@
+"""Pictures of clouds, meshes and mirror planes, drawn in numpy."""
