@@ -123,7 +123,7 @@ def main_job_picture(  # noqa: PLR0913, PLR0917  the six arrays of the whole met
     vertices = as_points(surface_points)
     faces = as_faces(surface_faces, len(vertices))
     share = _as_vector(surface_share_invented, len(vertices), "surface_share_invented")
-    if captions is not None and len(captions) != 3:  # noqa: PLR2004
+    if captions is not None and len(captions) != 3:
         message = f"captions must be three, one a panel; got {len(captions)}; give '' for none"
         raise ParameterError(message)
 

@@ -55,7 +55,7 @@ def as_colours(values: ArrayLike, count: int) -> Colours:
             f"shape {colours.shape}; give red, green and blue"
         )
         raise ParameterError(message)
-    if colours.size and not (colours.min() >= 0 and colours.max() <= 255):  # noqa: PLR2004
+    if colours.size and not (colours.min() >= 0 and colours.max() <= 255):
         message = (
             f"colours must lie in 0 .. 255; got {colours.min()} .. {colours.max()}; "
             "scale them first"
@@ -168,7 +168,7 @@ class PlaneSheet:
     def __post_init__(self) -> None:
         corners = as_points(self.corners)
         object.__setattr__(self, "corners", corners)
-        if len(corners) != 4:  # noqa: PLR2004
+        if len(corners) != 4:
             message = f"a plane sheet has four corners; got {len(corners)}; use plane_sheet()"
             raise GeometryError(message)
         gap = np.abs(corners[0] - corners[1] + corners[2] - corners[3]).max()

