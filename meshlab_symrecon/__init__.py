@@ -1,8 +1,25 @@
-"""MeshLab filters in Python: complete a statue scan from its mirror symmetry, close it."""
+"""MeshLab filters in Python: complete a statue scan from its mirror symmetry, close it.
+
+Importing this package is quick and does not import pymeshlab; what needs it, imports it when first
+used.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from importlib import import_module
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+from meshlab_symrecon.errors import SymReconWarning
+
+if TYPE_CHECKING:
+    from meshlab_symrecon.host.registration import (
+        apply_filter,
+        filter_list,
+        load_plugins,
+        unload_plugins,
+    )
+    from meshlab_symrecon.plugin import Progress
 
 __version__ = "0.1.0"
 
@@ -16,19 +33,26 @@ __all__ = [
     "unload_plugins",
 ]
 
-_HOME = {
-    "SymReconWarning": "registration",
-    "apply_filter": "registration",
-    "filter_list": "registration",
-    "load_plugins": "registration",
-    "unload_plugins": "registration",
-}
+_OF_THE_HOST = ("apply_filter", "filter_list", "load_plugins", "unload_plugins")
 
 
 def __getattr__(name: str) -> Any:
     """Import what talks to pymeshlab when it is first asked for."""
-    if name not in _HOME:
+    if name not in _OF_THE_HOST:
         raise AttributeError(f"module 'meshlab_symrecon' has no attribute {name!r}")
-    from importlib import import_module  # noqa: PLC0415
+    return getattr(import_module("meshlab_symrecon.host.registration"), name)
 
-    return getattr(import_module(f"meshlab_symrecon.host.{_HOME[name]}"), name)
+
+def apply_filter_script(
+    mesh_set: Any, path: str | PathLike[str], *, progress: Progress | None = None
+) -> Any:
+    """Check a filter script, then run it on a MeshSet; return the report of its steps.
+
+    Raises
+    ------
+    ScriptError
+        The script cannot be read, or a step cannot run; nothing has run then.
+    """
+    return import_module("meshlab_symrecon.host.script").run_script(
+        mesh_set, path, progress=progress
+    )

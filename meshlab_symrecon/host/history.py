@@ -36,6 +36,20 @@ class Step:
     menu_name: str
     parameters: tuple[Mapping[str, str], ...]
 
+    @property
+    def texts(self) -> dict[str, str]:
+        """The value of each parameter as one text, by its name in scripts."""
+        return {attributes["name"]: _text(attributes) for attributes in self.parameters}
+
+
+def _text(attributes: Mapping[str, str]) -> str:
+    """Join what the native writer spreads over several attributes."""
+    if "value" in attributes:
+        return attributes["value"]
+    rows = (("x", "y", "z"), ("r", "g", "b", "a"), tuple(f"val{number}" for number in range(16)))
+    parts = next((row for row in rows if row[0] in attributes), ())
+    return " ".join(attributes[part] for part in parts)
+
 
 def record(mesh_set: Any, item: Filter, parameters: ParameterSet) -> bool:
     """Append a step of ours to the history; return False when the history cannot be rewritten.

@@ -7,6 +7,7 @@ nothing here keeps one.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from meshlab_symrecon.arrays import Faces, Floats, Points
 from meshlab_symrecon.errors import HostError
+from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.plugin import Layer, Layers
 
@@ -25,9 +27,9 @@ ATTRIBUTE_PREFIX = "__ca_vs__"  # how the options of a PLY file list custom scal
 
 
 def layers_of(mesh_set: Any) -> Layers:
-    """Return the layers of a document; each is read when it is asked for."""
+    """Return the layers of a document; each is read once, when it is first asked for."""
     labels = {mesh.id(): mesh.label() for mesh in mesh_set}
-    return Layers(labels, current_identifier(mesh_set), lambda number: read_layer(mesh_set, number))
+    return Layers(labels, current_identifier(mesh_set), cache(partial(read_layer, mesh_set)))
 
 
 def current_identifier(mesh_set: Any) -> int:
@@ -45,8 +47,8 @@ def read_layer(mesh_set: Any, identifier: int) -> Layer:
     The layer's transform matrix is applied to points and normals; faces are turned over when the
     matrix mirrors, so that they face outward still. Attributes that MeshLab gives to every layer
     count as absent while they hold nothing: normals that are all zero, colours that are all white,
-    quality that is all zero. Custom attributes whose names have capitals are not listed by
-    pymeshlab and cannot be read.
+    quality that is all zero. Custom attributes whose names are not plain lower case are left out
+    with a warning, since pymeshlab does not tell such names.
 
     Raises
     ------
@@ -166,8 +168,13 @@ def _attributes(mesh_set: Any, identifier: int) -> Mapping[str, Floats]:
         try:
             values = mesh_set.mesh(identifier).vertex_custom_scalar_attribute_array(name)
         except pymeshlab.PyMeshLabException:
-            continue  # listed in lower case, but stored with capitals or spaces
-        found[name] = _sealed(_floats(values))
+            # The way to the true name is to save the layer, which crashes for some attributes.
+            warn_user(
+                f"the custom attribute '{name}' of layer {identifier} was left out: pymeshlab "
+                "does not tell names with capitals, spaces or signs; use lower case"
+            )
+        else:
+            found[name] = _sealed(_floats(values))
     return found
 
 

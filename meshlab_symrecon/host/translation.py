@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -9,8 +10,9 @@ import pymeshlab
 
 from meshlab_symrecon.errors import HostError, ParameterError, SymReconError
 
-__all__ = ["translated"]
+__all__ = ["script_name_in_python", "translated"]
 
+_SEPARATORS = str.maketrans({" ": "_", "/": "_", "-": "_"} | dict.fromkeys("().,'\":+", ""))
 _PARAMETER_WORDS = ("Parameter ", "Unable to cast Python instance")
 
 
@@ -48,3 +50,9 @@ def _one_line(error: Exception) -> str:
     if words.startswith("Something really bad happened"):
         return "MeshLab failed without naming a reason; check the input of the filter"
     return words.rstrip(" .;") or f"MeshLab raised {type(error).__name__} without a reason"
+
+
+def script_name_in_python(name: str) -> str:
+    """Return the Python name of a parameter's name in scripts, by pymeshlab's rule."""
+    plain = name.lower().translate(_SEPARATORS)
+    return plain + "_" if keyword.iskeyword(plain) else plain
