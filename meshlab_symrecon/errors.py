@@ -13,6 +13,7 @@ __all__ = [
     "PluginError",
     "ScriptError",
     "SymReconError",
+    "SymReconWarning",
     "UnknownFilterError",
 ]
 
@@ -47,3 +48,7 @@ class FileError(SymReconError, OSError):
 
 class HostError(SymReconError):
     """MeshLab refused a step; raised ``from`` the error of pymeshlab."""
+
+
+class SymReconWarning(UserWarning):
+    """Something the user should know; the step went on."""

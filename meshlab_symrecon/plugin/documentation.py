@@ -8,7 +8,7 @@ from typing import Any
 from meshlab_symrecon.plugin.filter import Filter
 from meshlab_symrecon.plugin.parameters import Kind, Parameter
 
-__all__ = ["describe", "filters_page", "parameter_lines", "signature"]
+__all__ = ["describe", "filters_page", "method_documentation", "parameter_lines", "signature"]
 
 PAGE_HEAD = """# The filters
 
@@ -104,3 +104,16 @@ def _parameter_facts(parameter: Parameter) -> dict[str, Any]:
         "unit": parameter.unit,
         "help": parameter.tooltip,
     }
+
+
+def method_documentation(item: Filter) -> str:
+    """Return the docstring of the filter's method of ``MeshSet``, in numpy style."""
+    lines = [item.summary, "", item.description, ""]
+    if item.parameters.declared():
+        lines += ["Parameters", "----------"]
+    for parameter in item.parameters.declared():
+        lines.append(f"{parameter.name} : {parameter.range_words}, default {parameter.default!r}")
+        lines.append(f"    {parameter.label}: {parameter.tooltip}")
+    if item.citations:
+        lines += ["", "References", "----------", *(str(citation) for citation in item.citations)]
+    return "\n".join(lines).rstrip() + "\n"

@@ -1,0 +1,176 @@
+"""``symrecon apply FILTER``: one filter, with options derived from its declaration."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+
+from meshlab_symrecon.cli.progress import progress_bar
+from meshlab_symrecon.errors import ParameterError
+
+__all__ = ["apply"]
+
+RESERVED = ("output", "json", "help")
+MAKES_FROM_NOTHING = "create_"  # native filters that need no input
+
+
+class FilterGroup(click.Group):
+    """A group whose commands are the filters, by any of their names."""
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command:
+        """Return the command of a filter; raise our own error for an unknown one."""
+        from meshlab_symrecon.host.resolution import find_any
+
+        return _command_of(find_any(cmd_name), cmd_name)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return nothing: ``symrecon filters`` lists them."""
+        return []
+
+
+@click.group(
+    cls=FilterGroup,
+    subcommand_metavar="FILTER IN... -o OUT [--PARAMETER VALUE ...]",
+    no_args_is_help=True,
+)
+def apply() -> None:
+    """Run one filter, ours or MeshLab's, by any of its names.
+
+    FILTER is a Python name, an alias or a menu name; 'symrecon apply FILTER --help' shows its
+    parameters, 'symrecon filters' lists the filters. Several inputs become layers in their order;
+    the last one is the current one.
+    """
+
+
+class ParameterType(click.ParamType):  # type: ignore[type-arg]  # generic in newer clicks only
+    """The type of a declared parameter."""
+
+    def __init__(self, name: str, parse: Callable[[str], Any]) -> None:
+        self.name = name
+        self.parse = parse
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the value that a text stands for."""
+        try:
+            return self.parse(value)
+        except ParameterError as error:
+            self.fail(str(error), param, ctx)
+
+
+def _command_of(item: Any, written: str) -> click.Command:
+    from meshlab_symrecon.plugin import Filter
+
+    ours = isinstance(item, Filter)
+    context = {"token_normalize_func": lambda token: token.lower().replace("_", "-")}
+    inputs_needed = not item.python_name.startswith(MAKES_FROM_NOTHING)
+    path = click.Path(path_type=Path)
+    parameters: list[click.Parameter] = [
+        click.Argument(["inputs"], nargs=-1, required=inputs_needed, type=path, metavar="IN..."),
+        click.Option(["-o", "--output"], type=path, metavar="OUT", help="File of the result."),
+        click.Option(["--json"], type=path, metavar="R.json", help="File of the measures."),
+        *(_options_of_ours(item) if ours else _options_of_native(item)),
+    ]
+
+    def run(
+        inputs: tuple[Path, ...], output: Path | None, json: Path | None, **values: Any
+    ) -> None:
+        given = {name: value for name, value in values.items() if value is not None}
+        _run(item, inputs, output, json, given)
+
+    summary = item.summary if ours else f"MeshLab's own '{item.menu_name}'."
+    return click.Command(
+        written, context, run, parameters, help=f"{summary}\n\nPython name: {item.python_name}"
+    )
+
+
+def _options_of_ours(item: Any) -> list[click.Option]:
+    return [
+        click.Option(
+            _flags(parameter.name),
+            type=ParameterType(parameter.kind.name.lower(), parameter.parse),
+            metavar="VALUE",
+            help=f"{parameter.label}: {parameter.tooltip} [{parameter.range_words}; "
+            f"default: {parameter.default}]",
+        )
+        for parameter in item.parameters.declared()
+    ]
+
+
+def _options_of_native(item: Any) -> list[click.Option]:
+    from meshlab_symrecon.host.native_values import parse_native
+
+    return [
+        click.Option(
+            _flags(parameter.name),
+            type=ParameterType(parameter.rich_type, partial(parse_native, parameter)),
+            metavar="VALUE",
+            help=parameter.rich_type.removeprefix("Rich")
+            + (f" [one of {', '.join(parameter.words)}]" if parameter.words else ""),
+        )
+        for parameter in item.parameters
+    ]
+
+
+def _flags(name: str) -> list[str]:
+    """Return the option's spellings and the name of its value."""
+    plain = name.lower().replace("_", "-").strip("-")
+    flags = [f"--parameter-{plain}" if plain in RESERVED else f"--{plain}"]
+    if name == "randomseed":
+        flags.append("--seed")
+    return [*flags, name]
+
+
+def _run(
+    item: Any,
+    inputs: tuple[Path, ...],
+    output: Path | None,
+    report: Path | None,
+    values: Mapping[str, Any],
+) -> None:
+    from meshlab_symrecon.cli import reports
+    from meshlab_symrecon.host.files import check_output, load, new_document, save_current
+    from meshlab_symrecon.host.registration import apply_filter
+
+    if output is None and report is None:
+        raise click.UsageError("give -o OUT, or --json R.json, or both")
+    if output is not None:
+        check_output(output, inputs)
+    if report is not None:
+        check_output(report, [*inputs, *([] if output is None else [output])], ())
+    mesh_set = new_document()
+    for path in inputs:
+        load(path, mesh_set)
+    before = {int(mesh.id()) for mesh in mesh_set}
+    with progress_bar(item.menu_name) as progress:
+        measures = apply_filter(mesh_set, item.python_name, progress=progress, **values)
+    made = _result_layer(mesh_set, item, before)
+    if output is not None and made is not None:
+        mesh_set.set_current_mesh(made)
+        save_current(mesh_set, output)
+    if report is not None:
+        detected = reports.is_detection(measures)
+        reports.write_json(report, reports.detection(measures) if detected else measures)
+    for line in reports.measures_in_words(measures):
+        click.echo(line)
+    if output is not None and made is None:
+        click.echo(f"{item.menu_name} found nothing, so {output} was not written", err=True)
+        sys.stderr.flush()
+
+
+def _result_layer(mesh_set: Any, item: Any, before: set[int]) -> int | None:
+    """Return the layer to save: a new one, or else the current one; None for nothing.
+
+    Among several new layers it is the one that became current, or else the last.
+    """
+    from meshlab_symrecon.host.meshset import current_identifier
+
+    current = current_identifier(mesh_set)
+    made = [int(mesh.id()) for mesh in mesh_set if int(mesh.id()) not in before]
+    if made:
+        return current if current in made else made[-1]
+    return None if getattr(item, "creates", ()) else current

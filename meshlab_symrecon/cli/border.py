@@ -1,0 +1,92 @@
+"""Where errors become exit codes and one sentence on the standard error stream."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import click
+
+from meshlab_symrecon.errors import SymReconError, SymReconWarning
+
+__all__ = ["DONE", "FAILED", "INTERRUPTED", "BorderGroup"]
+
+DONE, FAILED, INTERRUPTED = 0, 1, 130  # 2 is click's, for wrong usage
+
+
+class BorderGroup(click.Group):
+    """A group that ends with an exit code, and without a traceback for what users can mend."""
+
+    def main(  # type: ignore[override]  # click overloads it; this one never returns
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = "symrecon",
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        **extra: Any,
+    ) -> None:
+        """Run a command line and exit; click's own border (``standalone_mode``) is never used."""
+
+        def call() -> Any:
+            return super(BorderGroup, self).main(
+                args, prog_name, complete_var, standalone_mode=False, **extra
+            )
+
+        with _warnings_as_sentences():
+            code = _guarded(call)
+        sys.exit(code)
+
+
+def _guarded(call: Callable[[], Any]) -> int:
+    try:
+        result = call()
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except (click.Abort, KeyboardInterrupt):
+        _say("interrupted; nothing was left half-written")
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader of our output has gone, as in "symrecon filters | head"
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except Exception as error:  # what is not translated is raised again
+        sentence = _sentence(error)
+        if sentence is None:
+            raise
+        _say(f"error: {sentence}")
+        return FAILED
+    return result if isinstance(result, int) else DONE
+
+
+def _sentence(error: Exception) -> str | None:
+    """Return one sentence for an error of the outside world; None for a mistake of ours."""
+    if isinstance(error, SymReconError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return "there is not enough memory for this; close programs or thin the scan out first"
+    if isinstance(error, OSError):
+        words = error.strerror or str(error)
+        return f"{error.filename}: {words}" if error.filename else words
+    if type(error).__module__.partition(".")[0] == "pymeshlab":
+        return "MeshLab: " + " ".join(str(error).split())
+    return None
+
+
+@contextmanager
+def _warnings_as_sentences() -> Iterator[None]:
+    with warnings.catch_warnings():
+        warnings.showwarning = _show_warning
+        warnings.simplefilter("always", SymReconWarning)
+        yield
+
+
+def _show_warning(message: Warning | str, *details: Any, **more: Any) -> None:
+    _say(f"warning: {message}")
+
+
+def _say(sentence: str) -> None:
+    click.echo(sentence, err=True)

@@ -1,0 +1,99 @@
+"""``symrecon filters``: what filters there are, and what each declares."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable
+from typing import Any
+
+import click
+
+__all__ = ["filters"]
+
+WIDTH_IN_A_PIPE = 200  # columns; nothing is cut off there
+
+
+@click.command()
+@click.argument("name", required=False)
+@click.option("--all", "every", is_flag=True, help="List MeshLab's own filters too.")
+@click.option("--json", "as_json", is_flag=True, help="Print every declared fact as JSON.")
+def filters(name: str | None, every: bool, as_json: bool) -> None:
+    """List the filters, or show one by any of its NAMEs."""
+    from meshlab_symrecon.host.native_filters import native_filters
+    from meshlab_symrecon.host.registration import registry
+    from meshlab_symrecon.host.resolution import find_any
+
+    if name is not None:
+        item = find_any(name)
+        click.echo(_as_json(_facts(item)) if as_json else _page(item))
+        return
+    listed: list[Any] = [*registry(), *(native_filters().values() if every else ())]
+    if as_json:
+        click.echo(_as_json([_facts(item) for item in listed]))
+    else:
+        _print_table(listed)
+        if not every:
+            count = len(native_filters())
+            click.echo(f"and {count} of MeshLab's own; 'symrecon filters --all' lists them")
+    for failure in registry().failures:
+        click.echo(f"warning: {failure.reason}", err=True)
+
+
+def _as_json(data: Any) -> str:
+    return json.dumps(data, indent=2, ensure_ascii=False)
+
+
+def _facts(item: Any) -> dict[str, Any]:
+    from meshlab_symrecon.plugin import Filter
+    from meshlab_symrecon.plugin.documentation import describe
+
+    if isinstance(item, Filter):
+        return describe(item)
+    return {
+        "menu_name": item.menu_name,
+        "python_name": item.python_name,
+        "parameters": [
+            {
+                "id": parameter.name,
+                "script_name": parameter.script_name,
+                "type": parameter.rich_type,
+                "choices": list(parameter.words) or None,
+            }
+            for parameter in item.parameters
+        ],
+    }
+
+
+def _page(item: Any) -> str:
+    from meshlab_symrecon.plugin import Filter
+    from meshlab_symrecon.plugin.documentation import parameter_lines
+
+    if isinstance(item, Filter):
+        names = ", ".join((item.python_name, *item.aliases))
+        body = [item.summary, "", item.description, "", *parameter_lines(item)]
+        references = [str(citation) for citation in item.citations]
+        tail = ["", "References:", *references] if references else []
+        return "\n".join([item.menu_name, names, "", *body, *tail])
+    lines = [
+        f"- `{parameter.name}` : {parameter.rich_type.removeprefix('Rich')}"
+        + (
+            f", one of {', '.join(repr(word) for word in parameter.words)}"
+            if parameter.words
+            else ""
+        )
+        for parameter in item.parameters
+    ]
+    return "\n".join([item.menu_name, f"{item.python_name} (MeshLab's own)", "", *lines])
+
+
+def _print_table(listed: Iterable[Any]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("Python name", "menu name", "what it does", box=None, pad_edge=False)
+    for item in listed:
+        summary = getattr(item, "summary", "MeshLab's own")
+        table.add_row(item.python_name, item.menu_name, summary)
+    width = None if sys.stdout.isatty() else WIDTH_IN_A_PIPE
+    Console(width=width, markup=False, highlight=False, file=sys.stdout).print(table)

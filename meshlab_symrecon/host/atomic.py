@@ -1,0 +1,100 @@
+"""Files that appear whole or not at all: written in a directory beside their place, then moved."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from meshlab_symrecon.errors import FileError
+
+__all__ = ["check_target", "reason", "replacing", "same_file"]
+
+STAGING_PREFIX = ".symrecon-"
+
+
+def reason(error: OSError) -> str:
+    """Return the operating system's own words for what went wrong."""
+    return error.strerror or str(error) or type(error).__name__
+
+
+def same_file(first: Path, second: Path) -> bool:
+    """Say whether two paths lead to one file, through links and other spellings too."""
+    try:
+        return first.samefile(second)
+    except OSError:
+        return Path(os.path.realpath(first)) == Path(os.path.realpath(second))
+
+
+def check_target(path: Path) -> Path:
+    """Return where a file named ``path`` would be written, links followed.
+
+    Raises
+    ------
+    FileError
+        The place is a directory or a device, or its directory does not exist.
+    """
+    try:
+        target = Path(os.path.realpath(path))
+        exists, regular, directory = target.exists(), target.is_file(), target.parent.is_dir()
+    except (OSError, ValueError) as error:
+        words = reason(error) if isinstance(error, OSError) else str(error)
+        raise FileError(f"{path} cannot be written: {words}; give another path") from error
+    if not directory:
+        message = f"{path} cannot be written: no directory is at {target.parent}; make it first"
+        raise FileError(message)
+    if exists and not regular:
+        message = f"{path} cannot be written: it is not an ordinary file; give a file's path"
+        raise FileError(message)
+    return target
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Yield a path to write to; what was written there takes the place of ``path`` at the end.
+
+    The path that is yielded has the same name, in a fresh directory beside the target, so that a
+    writer that looks at the extension, or that puts further files beside (materials, textures),
+    works as ever. The further files are moved first, the named one last. When the block fails or
+    is interrupted, nothing is left and an older file at ``path`` stays as it was.
+
+    Raises
+    ------
+    FileError
+        As ``check_target``; or the block wrote no file; or the system refused to write.
+    """
+    target = check_target(path)
+    staging: Path | None = None
+    try:
+        staging = Path(tempfile.mkdtemp(prefix=STAGING_PREFIX, dir=target.parent))
+        yield staging / path.name
+        _put_in_place(staging, path.name, target)
+    except FileError:
+        raise
+    except OSError as error:
+        message = f"{path} cannot be written: {reason(error)}; nothing was changed"
+        raise FileError(message) from error
+    finally:
+        if staging is not None:
+            shutil.rmtree(staging, ignore_errors=True)
+
+
+def _put_in_place(staging: Path, name: str, target: Path) -> None:
+    written = sorted(staging.iterdir(), key=lambda file: file.name == name)
+    if not written or written[-1].name != name:
+        raise FileError(f"{target} cannot be written: the writer made no file; check free space")
+    for file in written:
+        _flush(file)
+    for file in written:
+        file.replace(target if file.name == name else target.parent / file.name)
+
+
+def _flush(file: Path) -> None:
+    descriptor = os.open(file, os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

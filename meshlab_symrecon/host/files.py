@@ -1,0 +1,308 @@
+"""Meshes and projects in files: checked before they are read, whole or not at all when written."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pymeshlab
+
+from meshlab_symrecon.errors import FileError, HostError
+from meshlab_symrecon.host import inspection
+from meshlab_symrecon.host.atomic import check_target, reason, replacing, same_file
+from meshlab_symrecon.host.meshset import add_layer, current_identifier, read_layer
+from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.translation import translated
+from meshlab_symrecon.plugin import Layer
+
+__all__ = [
+    "PROJECT",
+    "READABLE",
+    "WRITABLE",
+    "check_output",
+    "load",
+    "new_document",
+    "save_current",
+    "save_project",
+]
+
+READABLE = (
+    "ply", "obj", "off", "stl", "xyz", "3ds", "3mf", "apts", "asc", "bre", "ctm", "dae", "e57",
+    "es", "fbx", "glb", "gltf", "pdb", "pts", "ptx", "qobj", "tri", "txt", "vmi", "wrl", "x3d",
+    "x3dv",
+)  # fmt: skip
+PLAIN = ("off", "xyz")  # MeshLab's readers of these do not crash, so no child process reads first
+WRITABLE: dict[str, tuple[str, ...]] = {
+    "ply": ("vertex_normal", "vertex_color", "vertex_quality", "face_color", "face_quality"),
+    "obj": ("vertex_normal", "vertex_color", "face_color"),
+    "off": ("vertex_normal", "vertex_color", "face_color"),
+    "stl": ("face_color",),
+    "xyz": ("vertex_normal",),
+    "3ds": (),
+    "3mf": (),
+    "ctm": ("vertex_color", "vertex_quality"),
+    "dae": ("vertex_normal", "vertex_color"),
+    "dxf": (),
+    "e57": (),
+    "idtf": (),
+    "json": ("vertex_normal", "vertex_color"),
+    "u3d": ("vertex_color", "face_color"),
+    "wrl": ("vertex_color",),
+    "x3d": ("vertex_normal", "vertex_color", "face_color"),
+}  # extension: what the format can hold beside points and faces, and what MeshLab may leave out
+PROJECT = "mlp"
+FACES_ONLY = ("stl", "3ds", "dxf")  # points outside faces are lost in these
+
+
+def new_document() -> Any:
+    """Return an empty MeshSet that prints nothing."""
+    return pymeshlab.MeshSet(verbose=False)
+
+
+def load(path: str | Path, mesh_set: Any = None) -> Any:
+    """Load a file's layers; the last one becomes the current one.
+
+    Parameters
+    ----------
+    path : str or Path
+    mesh_set : pymeshlab.MeshSet, optional
+        Where to add them; a new one when left out.
+
+    Returns
+    -------
+    pymeshlab.MeshSet
+
+    Raises
+    ------
+    FileError
+        The file is missing, empty, damaged, of no known format, or holds no points.
+
+    Warns
+    -----
+    SymReconWarning
+        MeshLab left out points whose coordinates are not numbers.
+    """
+    path = Path(path)
+    announced = _checked_before(path)
+    mesh_set = new_document() if mesh_set is None else mesh_set
+    before = {mesh.id() for mesh in mesh_set}
+    try:
+        with translated(f"{path} cannot be read"):
+            mesh_set.load_new_mesh(str(path))
+    except HostError as error:
+        raise FileError(f"{error}; write or download it again") from error
+    loaded = [mesh.vertex_number() for mesh in mesh_set if mesh.id() not in before]
+    if sum(loaded) == 0:
+        raise FileError(f"{path} holds no points; scan again or pick another file")
+    if announced is not None and sum(loaded) < announced:
+        warn_user(
+            f"{path}: {announced - sum(loaded)} of {announced} points have coordinates that are "
+            "not numbers; MeshLab left them out"
+        )
+    return mesh_set
+
+
+def _checked_before(path: Path) -> int | None:
+    """Check a file before MeshLab touches it; return the vertices it announces, if it does."""
+    try:
+        _check_readable(path)
+        return _checked_content(path, _extension(path, READABLE, "read"))
+    except FileError:
+        raise
+    except (OSError, ValueError) as error:
+        words = reason(error) if isinstance(error, OSError) else str(error)
+        raise FileError(f"{path} cannot be read: {words}; check its path") from error
+
+
+def _check_readable(path: Path) -> None:
+    if not path.exists():
+        raise FileError(f"{path} cannot be read: no such file; check its path")
+    if not path.is_file():
+        raise FileError(f"{path} cannot be read: it is not an ordinary file; give a mesh file")
+    with path.open("rb") as file:
+        if not file.read(1):
+            raise FileError(f"{path} is empty; write or download it again")
+
+
+def _checked_content(path: Path, extension: str) -> int | None:
+    if extension == "ply":
+        return inspection.check_ply(path)
+    if extension == "obj":
+        inspection.check_obj(path)
+    elif extension == "stl":
+        inspection.check_stl(path)
+    elif extension not in PLAIN:
+        inspection.try_in_child(path)
+    return None
+
+
+def _extension(path: Path, known: Iterable[str], verb: str) -> str:
+    extension = path.suffix.removeprefix(".").lower()
+    if extension not in known:
+        shown = f"the extension '.{extension}'" if extension else "no extension"
+        message = f"{path} has {shown}, which cannot be {verb}; known are {', '.join(known)}"
+        raise FileError(message)
+    return extension
+
+
+def check_output(
+    path: str | Path, inputs: Iterable[str | Path] = (), known: Iterable[str] = tuple(WRITABLE)
+) -> None:
+    """Refuse an output path before any work is done.
+
+    Parameters
+    ----------
+    path : str or Path
+    inputs : iterable of str or Path
+        Files that must stay as they are.
+    known : iterable of str
+        Extensions that can be written; empty for any.
+
+    Raises
+    ------
+    FileError
+        Unknown extension, no such directory, not an ordinary file, or one of the inputs.
+    """
+    path = Path(path)
+    known = tuple(known)
+    if known:
+        _extension(path, known, "written")
+    check_target(path)
+    for other in inputs:
+        if same_file(path, Path(other)):
+            message = f"{path} would overwrite {other}, which is in use here; give another path"
+            raise FileError(message)
+
+
+def save_current(mesh_set: Any, path: str | Path) -> None:
+    """Save the current layer in world coordinates, with everything the format can hold.
+
+    Normals, colours and quality are written when the layer has them and the format can hold them;
+    PLY keeps coordinates to the last bit. A file at ``path`` is replaced only by a whole one.
+
+    Raises
+    ------
+    FileError
+        Unknown extension, no such directory, no layer, or the system refused.
+
+    Warns
+    -----
+    SymReconWarning
+        The format loses points that belong to no face.
+    """
+    path = Path(path)
+    check_output(path)
+    identifier = current_identifier(mesh_set)
+    if identifier < 0:
+        raise FileError(f"{path} cannot be written: the document is empty; load a layer first")
+    with replacing(path) as staged:
+        _write(mesh_set, identifier, path, staged)
+
+
+def save_project(
+    mesh_set: Any,
+    path: str | Path,
+    inputs: Iterable[str | Path] = (),
+    labels: Mapping[int, str] | None = None,
+) -> None:
+    """Save every layer beside a MeshLab project that lists them, in world coordinates.
+
+    The layers' files are named after the project and the layers: ``name-label.ply``.
+
+    Parameters
+    ----------
+    mesh_set : pymeshlab.MeshSet
+    path : str or Path
+    inputs : iterable of str or Path
+        Files that must stay as they are.
+    labels : mapping of int to str, optional
+        Labels in the project, by layer identifier; the layers' own where left out.
+
+    Raises
+    ------
+    FileError
+        The path does not end in ``.mlp``, a file would take the place of one of ``inputs``, no
+        such directory, or the system refused.
+    """
+    path = Path(path)
+    inputs = tuple(inputs)
+    check_output(path, inputs, (PROJECT,))
+    shown = {mesh.id(): mesh.label() for mesh in mesh_set} | dict(labels or {})
+    names = _layer_files(shown, path)
+    for name in names.values():
+        check_output(path.parent / name, inputs)
+    with replacing(path) as staged:
+        for identifier, name in names.items():
+            _write(mesh_set, identifier, path.parent / name, staged.parent / name)
+        staged.write_bytes(_project_text(shown, names).encode("utf-8"))
+
+
+def _layer_files(labels: Mapping[int, str], project: Path) -> dict[int, str]:
+    names: dict[int, str] = {}
+    for identifier, label in labels.items():
+        plain = re.sub(r"[^\w.-]+", "-", label).strip("-") or "layer"
+        name = f"{project.stem}-{plain}.ply"
+        if name.lower() in (other.lower() for other in names.values()):
+            name = f"{project.stem}-{plain}-{identifier}.ply"
+        names[identifier] = name
+    return names
+
+
+def _project_text(labels: Mapping[int, str], names: Mapping[int, str]) -> str:
+    root = ElementTree.Element("MeshLabProject")
+    group = ElementTree.SubElement(root, "MeshGroup")
+    for identifier, name in names.items():
+        attributes = {
+            "label": labels[identifier],
+            "idInFile": "-1",
+            "filename": name,
+            "visible": "1",
+        }
+        matrix = ElementTree.SubElement(
+            ElementTree.SubElement(group, "MLMesh", attributes), "MLMatrix44"
+        )
+        matrix.text = "\n1 0 0 0 \n0 1 0 0 \n0 0 1 0 \n0 0 0 1 \n"
+    ElementTree.SubElement(root, "RasterGroup")
+    ElementTree.indent(root, " ")
+    return f"<!DOCTYPE MeshLabDocument>\n{ElementTree.tostring(root, encoding='unicode')}\n"
+
+
+def _write(mesh_set: Any, identifier: int, path: Path, staged: Path) -> None:
+    """Write one layer to ``staged``; ``path`` is what messages call it."""
+    extension = path.suffix.removeprefix(".").lower()
+    layer = read_layer(mesh_set, identifier)
+    _warn_of_losses(layer, path, extension)
+    source, number = mesh_set, identifier
+    if not np.array_equal(mesh_set.mesh(identifier).transform_matrix(), np.eye(4)):
+        source = new_document()  # MeshLab's exporters drop the matrix
+        number = add_layer(source, layer, current=True)
+    held = {
+        "vertex_normal": layer.normals is not None,
+        "vertex_color": layer.colours is not None,
+        "vertex_quality": layer.quality is not None,
+        "face_color": layer.face_colours is not None,
+        "face_quality": layer.face_quality is not None,
+    }
+    options = {f"save_{what}": held[what] for what in WRITABLE[extension]}
+    before = current_identifier(source)
+    try:
+        with translated(f"{path} cannot be written"):
+            source.set_current_mesh(number)
+            source.save_current_mesh(str(staged), **options)
+    except HostError as error:
+        raise FileError(f"{error}; check free space and the format") from error
+    finally:
+        source.set_current_mesh(before)
+
+
+def _warn_of_losses(layer: Layer, path: Path, extension: str) -> None:
+    lost = len(layer.points) - len(np.unique(layer.faces))
+    if extension in FACES_ONLY and lost:
+        warn_user(
+            f"{path}: {lost} points belong to no face, and .{extension} holds faces only; "
+            "write .ply to keep them"
+        )

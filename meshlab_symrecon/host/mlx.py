@@ -1,0 +1,227 @@
+"""MeshLab's filter scripts (``.mlx``) as plain data with line numbers; no pymeshlab in it.
+
+The grammar is that of MeshLab: ``<filter>`` with typed ``<Param>`` children, and the untyped
+``<xmlfilter>`` with ``<xmlparam>`` children that MeshLab wrote from 2014 to 2020.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+from defusedxml.common import DefusedXmlException
+from defusedxml.ElementTree import DefusedXMLParser
+
+from meshlab_symrecon.errors import FileError, ScriptError
+from meshlab_symrecon.host.atomic import reason, replacing
+from meshlab_symrecon.plugin.filter import Filter
+from meshlab_symrecon.plugin.parameters import Kind, Parameter, Value
+
+__all__ = ["Param", "Script", "Step", "read_script", "step_of", "write_script"]
+
+HEADER = "<!DOCTYPE FilterScript>\n"
+ROOT = "FilterScript"
+CHILDREN = {"filter": "param", "xmlfilter": "xmlparam"}  # tag of a step: tag of its parameters
+NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+@dataclass(frozen=True, slots=True)
+class Param:
+    """A parameter as it was written.
+
+    Attributes
+    ----------
+    name : str
+    line : int
+        Line of the script; no part of the comparison.
+    rich_type : str
+        MeshLab's type, such as ``RichFloat``; empty in an ``<xmlparam>``.
+    text : str or None
+        The attribute ``value``; None where the type keeps its value in other attributes.
+    attributes : mapping of str to str
+        Every other attribute, such as ``min``, ``enum_val0`` or ``x``.
+    """
+
+    name: str
+    line: int = field(compare=False)
+    rich_type: str
+    text: str | None
+    attributes: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A filter as it was written: its name, its line, its parameters in their order."""
+
+    name: str
+    line: int = field(compare=False)
+    parameters: tuple[Param, ...] = ()
+    from_xml_plugin: bool = False  # an <xmlfilter> of 2014 to 2020
+
+
+@dataclass(frozen=True, slots=True)
+class Script:
+    """The steps of a script, and the file they were read from."""
+
+    path: Path
+    steps: tuple[Step, ...]
+
+
+class _Collector:
+    """What expat calls: collects steps with the line on which each element starts."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.steps: list[Step] = []
+        self.open_tags: list[str] = []
+        self.parser: Any = None  # set after construction: parser and target need each other
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        line = self.parser.parser.CurrentLineNumber
+        plain = tag.lower()
+        if not self.open_tags:
+            if tag != ROOT:
+                raise self.problem(line, f"the outermost element must be <{ROOT}>; got <{tag}>")
+        elif len(self.open_tags) == 1:
+            self.start_step(plain, line, attributes)
+        elif len(self.open_tags) == 2 and plain == CHILDREN[self.open_tags[1]]:
+            self.start_parameter(line, attributes)
+        else:
+            raise self.problem(line, f"<{tag}> has no place inside <{self.open_tags[-1]}>")
+        self.open_tags.append(plain)
+
+    def end(self, tag: str) -> None:
+        self.open_tags.pop()
+
+    def close(self) -> tuple[Step, ...]:
+        return tuple(self.steps)
+
+    def start_step(self, tag: str, line: int, attributes: dict[str, str]) -> None:
+        if tag not in CHILDREN:
+            raise self.problem(line, f"a step must be a <filter> or <xmlfilter>; got <{tag}>")
+        if not attributes.get("name", "").strip():
+            raise self.problem(line, f'this <{tag}> has no name; write name="..."')
+        self.steps.append(Step(attributes["name"], line, (), tag == "xmlfilter"))
+
+    def start_parameter(self, line: int, attributes: dict[str, str]) -> None:
+        rest = dict(attributes)
+        name, rich_type = rest.pop("name", ""), rest.pop("type", "")
+        if not name.strip():
+            raise self.problem(line, 'this parameter has no name; write name="..."')
+        step = self.steps[-1]
+        if not (rich_type or step.from_xml_plugin):
+            raise self.problem(line, f"parameter '{name}' has no type; write type=\"Rich...\"")
+        if any(name.lower() == other.name.lower() for other in step.parameters):
+            raise self.problem(line, f"parameter '{name}' is given twice; keep one")
+        parameter = Param(name, line, rich_type, rest.pop("value", None), rest)
+        self.steps[-1] = Step(
+            step.name, step.line, (*step.parameters, parameter), step.from_xml_plugin
+        )
+
+    def problem(self, line: int, what: str) -> ScriptError:
+        return ScriptError(f"{self.path}:{line}: {what}")
+
+
+def read_script(path: str | Path) -> Script:
+    """Read a script.
+
+    Raises
+    ------
+    FileError
+        The file is missing or cannot be read.
+    ScriptError
+        It is no XML, defines entities, is no filter script, or has a step or parameter without a
+        name; the message starts with ``file:line:``.
+    """
+    path = Path(path)
+    try:
+        content = path.read_bytes()
+    except (OSError, ValueError) as error:
+        words = reason(error) if isinstance(error, OSError) else str(error)
+        raise FileError(f"script {path} cannot be read: {words}; check its path") from error
+    collector = _Collector(path)
+    parser = DefusedXMLParser(target=collector)
+    collector.parser = parser
+    try:
+        parser.feed(content)
+        steps = parser.close()
+    except ElementTree.ParseError as error:
+        words = str(error).split(": line")[0]
+        raise ScriptError(f"{path}:{error.position[0]}: this is not XML: {words}") from error
+    except DefusedXmlException as error:
+        line = parser.parser.CurrentLineNumber
+        message = f"{path}:{line}: a filter script must not define entities; remove them"
+        raise ScriptError(message) from error
+    except (LookupError, ValueError) as error:  # an encoding that Python does not know
+        raise ScriptError(f"{path}:1: this is not readable as XML: {error}") from error
+    return Script(path, steps)
+
+
+def write_script(steps: Iterable[Step], path: str | Path) -> None:
+    """Write a script that ``read_script`` reads back to equal steps; whole or not at all.
+
+    Raises
+    ------
+    ScriptError
+        A text has a character that XML cannot hold.
+    FileError
+        The file cannot be written.
+    """
+    path = Path(path)
+    root = ElementTree.Element(ROOT)
+    for step in steps:
+        tag = "xmlfilter" if step.from_xml_plugin else "filter"
+        element = ElementTree.SubElement(root, tag, {"name": _checked(step.name, path)})
+        for parameter in step.parameters:
+            _append(element, parameter, "xmlparam" if step.from_xml_plugin else "Param", path)
+    ElementTree.indent(root, " ")
+    text = HEADER + ElementTree.tostring(root, encoding="unicode") + "\n"
+    with replacing(path) as staged:
+        staged.write_bytes(text.encode("utf-8"))
+
+
+def _append(element: ElementTree.Element, parameter: Param, tag: str, path: Path) -> None:
+    written = {"type": parameter.rich_type} if parameter.rich_type else {}
+    written["name"] = parameter.name
+    if parameter.text is not None:
+        written["value"] = parameter.text
+    written |= parameter.attributes
+    ElementTree.SubElement(
+        element, tag, {name: _checked(text, path) for name, text in written.items()}
+    )
+
+
+def _checked(text: str, path: Path) -> str:
+    found = NOT_XML.search(text)
+    if found:
+        message = f"{path}:1: XML cannot hold the character {found.group()!r} of {text!r:.60}"
+        raise ScriptError(f"{message}; remove it")
+    return text
+
+
+def step_of(item: Filter, values: Mapping[str, object]) -> Step:
+    """Return a step of one of our filters with every parameter, in the order of declaration.
+
+    Raises
+    ------
+    ParameterError
+        As ``Filter.bind``.
+    """
+    bound = item.bind(values).values()
+    return Step(
+        item.menu_name,
+        0,
+        tuple(_param_of(declared, bound[declared.name]) for declared in item.parameters.declared()),
+    )
+
+
+def _param_of(declared: Parameter, value: Value) -> Param:
+    attributes = {}
+    if declared.kind is Kind.CHOICE:
+        attributes = {"enum_cardinality": str(len(declared.choices))}
+        attributes |= {f"enum_val{n}": word for n, word in enumerate(declared.choices)}
+    return Param(declared.name, 0, declared.kind.rich_type, declared.format(value), attributes)

@@ -1,0 +1,221 @@
+"""Plugin filters as pymeshlab's own: methods of ``MeshSet``, names, lists and scripts.
+
+``load_plugins`` changes pymeshlab's classes, ``unload_plugins`` puts the very objects back that
+were there; ``apply_filter`` does the same work and changes nothing.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import sys
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import pymeshlab
+
+from meshlab_symrecon.errors import PluginError, SymReconWarning
+from meshlab_symrecon.host import history
+from meshlab_symrecon.host.native_filters import is_native
+from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.steps import apply_filter, find_filter, registry, replay, run_filter
+from meshlab_symrecon.plugin import Filter
+from meshlab_symrecon.plugin.documentation import method_documentation
+from meshlab_symrecon.plugin.registry import Registry
+
+__all__ = [
+    "SymReconWarning",
+    "apply_filter",
+    "filter_list",
+    "find_filter",
+    "load_plugins",
+    "registry",
+    "run_filter",
+    "unload_plugins",
+]
+
+_lock = threading.RLock()
+_replaced: list[tuple[Any, str, Any]] = []  # owner, attribute, what was there (_NOTHING: nothing)
+_NOTHING = object()
+_native_filter_list = pymeshlab.filter_list
+
+
+def load_plugins() -> None:
+    """Make every installed plugin filter a filter of pymeshlab, until ``unload_plugins``.
+
+    Each becomes a method of ``MeshSet`` under its Python name and aliases, a name for
+    ``apply_filter`` and ``filter_parameter_values``, an entry of ``filter_list``,
+    ``print_filter_list``, ``print_filter_parameter_list`` and ``search``, and a step of
+    ``apply_filter_script``. Calling it again looks for plugins anew. A plugin that cannot be loaded
+    is named in a warning, and does not hold up the others.
+
+    Raises
+    ------
+    PluginError
+        Two filters claim one name, or one claims a name that ``MeshSet`` has already.
+    """
+    with _lock:
+        found = registry(refresh=True)
+        unload_plugins()
+        _check_names_are_free(found)
+        for item in found:
+            method = _method(item)
+            for name in (item.python_name, *item.aliases):
+                _replace(pymeshlab.MeshSet, name, method)
+        for name, make in _METHODS.items():
+            _replace(pymeshlab.MeshSet, name, make(getattr(pymeshlab.MeshSet, name)))
+        for name, make in _FUNCTIONS.items():
+            _replace(pymeshlab, name, make(getattr(pymeshlab, name)))
+    for failure in found.failures:
+        warn_user(failure.reason)
+
+
+def unload_plugins() -> None:
+    """Put back everything that ``load_plugins`` replaced; do nothing when nothing was."""
+    with _lock:
+        while _replaced:
+            owner, name, before = _replaced.pop()
+            if before is _NOTHING:
+                delattr(owner, name)
+            else:
+                setattr(owner, name, before)
+
+
+def filter_list() -> list[str]:
+    """Return the Python names of all filters, MeshLab's and plugins', in alphabetical order."""
+    return sorted([*_native_filter_list(), *(item.python_name for item in registry())])
+
+
+def _check_names_are_free(found: Registry) -> None:
+    for name in found.names:
+        if hasattr(pymeshlab.MeshSet, name):
+            message = (
+                f"'{found.find(name).menu_name}' claims the name '{name}', which pymeshlab's "
+                "MeshSet has already; rename the filter or uninstall its package"
+            )
+            raise PluginError(message)
+
+
+def _replace(owner: Any, name: str, new: Any) -> None:
+    _replaced.append((owner, name, vars(owner).get(name, _NOTHING)))
+    setattr(owner, name, new)
+
+
+def _method(item: Filter) -> Callable[..., dict[str, Any] | None]:
+    """Return a method as pymeshlab makes them: the measures, or None when there are none."""
+
+    def method(self: Any, **parameters: object) -> dict[str, Any] | None:
+        return run_filter(self, item, parameters) or None
+
+    method.__name__ = item.python_name
+    method.__qualname__ = f"MeshSet.{item.python_name}"
+    method.__doc__ = method_documentation(item)
+    declared = [
+        inspect.Parameter(
+            known.name, inspect.Parameter.KEYWORD_ONLY, default=known.default,
+            annotation=type(known.default),
+        )
+        for known in item.parameters.declared()
+    ]  # fmt: skip
+    itself = inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)
+    method.__signature__ = inspect.Signature([itself, *declared])  # type: ignore[attr-defined]
+    return method
+
+
+def _apply_filter(native: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(native)
+    def method(self: Any, filter_name: str, **parameters: object) -> Any:
+        if filter_name in registry():
+            return run_filter(self, find_filter(filter_name), parameters)
+        return native(self, filter_name, **parameters)
+
+    return method
+
+
+def _filter_parameter_values(native: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(native)
+    def method(self: Any, name: str, /, **parameters: object) -> Any:
+        if name in registry():
+            return find_filter(name).bind(parameters).values()
+        return native(self, name, **parameters)
+
+    return method
+
+
+def _apply_filter_script(native: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(native)
+    def method(self: Any) -> None:
+        # MeshLab crashes on a script in an empty document, and fails on a step of ours.
+        steps = history.read_history(self)
+        if self.mesh_number() == 0 or not all(is_native(step.menu_name) for step in steps):
+            replay(self)
+        else:
+            native(self)
+
+    return method
+
+
+def _filter_list(native: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(native)
+    def function() -> list[str]:
+        return filter_list()
+
+    return function
+
+
+def _print_filter_list(native: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(native)
+    def function() -> None:
+        native()
+        _write(["plugins - list of filter names:", *(f"\t{i.python_name}" for i in registry())])
+
+    return function
+
+
+def _print_filter_parameter_list(native: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(native)
+    def function(name: str, /) -> None:
+        if name not in registry():
+            native(name)
+            return
+        item = find_filter(name)
+        lines = [f"{item.python_name} filter - list of parameter names:"]
+        for known in item.parameters.declared():
+            shown = f"{known.name} : {type(known.default).__name__} = {known.default!r}"
+            lines.append(f"\t{shown}")
+        _write(lines)
+
+    return function
+
+
+def _search(native: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(native)
+    def function(keyword: str, /) -> None:
+        native(keyword)
+        wanted = keyword.lower()
+        _write(
+            f"{item.python_name} : {item.summary}"
+            for item in registry()
+            if any(wanted in text.lower() for text in (*item.names, item.summary))
+        )
+
+    return function
+
+
+def _write(lines: Any) -> None:
+    sys.stdout.write("".join(f"{line}\n" for line in lines))
+    sys.stdout.flush()
+
+
+_METHODS = {
+    "apply_filter": _apply_filter,
+    "apply_filter_script": _apply_filter_script,
+    "filter_parameter_values": _filter_parameter_values,
+}
+_FUNCTIONS = {
+    "filter_list": _filter_list,
+    "print_filter_list": _print_filter_list,
+    "print_filter_parameter_list": _print_filter_parameter_list,
+    "search": _search,
+}

@@ -1,0 +1,213 @@
+"""One step on a MeshSet, ours or MeshLab's; and the replay of a history of steps."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from meshlab_symrecon.errors import HostError, PluginError, SymReconError, UnknownFilterError
+from meshlab_symrecon.host import history
+from meshlab_symrecon.host.meshset import add_layer, layers_of
+from meshlab_symrecon.host.native_filters import apply_native, find_native, is_native
+from meshlab_symrecon.host.native_values import parse_native
+from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.plugin import Filter, Outcome, Progress
+from meshlab_symrecon.plugin.filter import silent
+from meshlab_symrecon.plugin.parameters import nearest_names
+from meshlab_symrecon.plugin.registry import Registry, installed_filters, origin
+
+__all__ = ["apply_filter", "find_filter", "registry", "replay", "run_filter"]
+
+_lock = threading.RLock()
+_found: list[Registry] = []
+
+
+def registry(refresh: bool = False) -> Registry:
+    """Return the installed filters, found once; ``refresh`` looks for them again.
+
+    Raises
+    ------
+    PluginError
+        Two filters claim one name, or a plugin claims the name of one of MeshLab's filters.
+    """
+    with _lock:
+        if refresh or not _found:
+            found = installed_filters()
+            _check_names_are_free(found)
+            _found[:] = [found]
+        return _found[0]
+
+
+def _check_names_are_free(found: Registry) -> None:
+    for item in found:
+        for name in item.names:
+            if is_native(name):
+                message = (
+                    f"{origin(item)} claims the name '{name}' of one of MeshLab's own filters; "
+                    "rename it or uninstall its package"
+                )
+                raise PluginError(message)
+
+
+def find_filter(name: str) -> Filter:
+    """Return the plugin filter with that Python name, alias or menu name.
+
+    Raises
+    ------
+    PluginError
+        The name is that of a plugin that could not be loaded.
+    UnknownFilterError
+        No plugin has that name.
+    """
+    known = registry()
+    try:
+        return known.find(name)
+    except UnknownFilterError:
+        wanted = _joined(name)
+        for failure in known.failures:
+            if _joined(failure.name) in wanted:
+                raise PluginError(f"filter '{name}' is not there: {failure.reason}") from None
+        raise
+
+
+def _joined(name: str) -> str:
+    return "_".join(name.lower().replace("-", " ").replace("_", " ").split())
+
+
+def apply_filter(
+    mesh_set: Any, name: str, /, *, progress: Progress | None = None, **parameters: object
+) -> dict[str, Any]:
+    """Run a filter, a plugin's or MeshLab's, on a MeshSet; change no class of pymeshlab.
+
+    Parameters
+    ----------
+    mesh_set : pymeshlab.MeshSet
+    name : str
+        Python name, alias or menu name.
+    progress : callable, optional
+        Called with a fraction 0..1 and a message; MeshLab's own filters do not call it.
+    **parameters
+        By their Python names.
+
+    Returns
+    -------
+    dict
+        The measures, by name; empty when there are none.
+
+    Raises
+    ------
+    UnknownFilterError, PluginError
+        No filter has that name, or its plugin could not be loaded.
+    ParameterError
+        Unknown name, wrong type, or out of range.
+    GeometryError
+        The layers are not what the filter needs.
+    HostError
+        MeshLab refused the step.
+    """
+    if is_native(name):
+        return apply_native(mesh_set, name, parameters)
+    try:
+        item = find_filter(name)
+    except UnknownFilterError as error:
+        raise UnknownFilterError(_unknown(name)) from error
+    return run_filter(mesh_set, item, parameters, progress or silent)
+
+
+def _unknown(name: str) -> str:
+    """Name the nearest filter of all, in a sentence."""
+    ours = [known for item in registry() for known in item.names]
+    try:
+        find_native(name)
+    except UnknownFilterError as error:
+        hint = nearest_names(name, ours)
+        return f"no filter is called '{name}'{hint}" if hint else str(error)
+    raise AssertionError(f"{name} is known")  # the caller looked it up
+
+
+def run_filter(
+    mesh_set: Any, item: Filter, values: Mapping[str, object], progress: Progress = silent
+) -> dict[str, Any]:
+    """Run a plugin's filter: add its layers, record the step, warn; return its measures.
+
+    Raises
+    ------
+    ParameterError, GeometryError
+        As ``Filter.apply``.
+    HostError
+        The filter made something that MeshLab cannot hold.
+    """
+    parameters = item.bind(values)
+    outcome = item.apply(layers_of(mesh_set), values, progress)
+    _add_layers(mesh_set, item, outcome)
+    if not history.record(mesh_set, item, parameters):
+        warn_user(
+            f"'{item.menu_name}' ran, but is not in the filter history: a step before it holds a "
+            "camera, which MeshLab cannot read back"
+        )
+    for sentence in outcome.warnings:
+        warn_user(sentence)
+    return dict(outcome.measures)
+
+
+def _add_layers(mesh_set: Any, item: Filter, outcome: Outcome) -> None:
+    chosen = outcome.current
+    if chosen is not None and outcome.layers and chosen not in range(len(outcome.layers)):
+        message = (
+            f"'{item.menu_name}' made {len(outcome.layers)} layers and wants number {chosen} to be "
+            "the current one; report this to its author"
+        )
+        raise HostError(message)
+    identifiers = [add_layer(mesh_set, layer, current=False) for layer in outcome.layers]
+    if chosen is not None and identifiers:
+        mesh_set.set_current_mesh(identifiers[chosen])
+
+
+def replay(mesh_set: Any) -> None:
+    """Run every step of the history again, in order; the history itself stays as it is.
+
+    Names and values of all steps are checked before the first one runs.
+
+    Raises
+    ------
+    HostError
+        A step cannot be read, or failed; the message says which.
+    """
+    steps = history.read_history(mesh_set)
+    runs = []
+    for number, step in enumerate(steps, start=1):
+        with _naming(number, step):
+            runs.append(_prepared(step))
+    try:
+        for number, (step, run) in enumerate(zip(steps, runs, strict=True), start=1):
+            with _naming(number, step):
+                run(mesh_set)
+    finally:
+        history.restore(mesh_set, steps)
+
+
+@contextmanager
+def _naming(number: int, step: history.Step) -> Iterator[None]:
+    try:
+        yield
+    except SymReconError as error:
+        message = f"step {number} of the filter history, '{step.menu_name}': {error}"
+        raise HostError(message) from error
+
+
+def _prepared(step: history.Step) -> Callable[[Any], object]:
+    """Return what runs the step on a MeshSet, its values read and checked."""
+    values: dict[str, object] = {}
+    if is_native(step.menu_name):
+        native = find_native(step.menu_name)
+        for name, text in step.texts.items():
+            parameter = native.find(name)
+            values[parameter.name] = parse_native(parameter, text)
+        return lambda mesh_set: apply_native(mesh_set, native.python_name, values)
+    item = find_filter(step.menu_name)
+    for name, text in step.texts.items():
+        values[name] = item.parameters.find(name).parse(text)
+    item.bind(values)
+    return lambda mesh_set: run_filter(mesh_set, item, values)

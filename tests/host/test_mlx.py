@@ -1,0 +1,229 @@
+"""Reading and writing filter scripts."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from meshlab_symrecon.errors import FileError, ParameterError, ScriptError
+from meshlab_symrecon.host.mlx import Param, Script, Step, read_script, step_of, write_script
+from meshlab_symrecon.plugin import (
+    Filter,
+    Outcome,
+    ParameterSet,
+    boolean,
+    choice,
+    diagonal_fraction,
+    integer,
+    layer,
+    number,
+    text,
+)
+
+EVERY_FORM = """<!DOCTYPE FilterScript>
+<FilterScript>
+ <!-- a comment -->
+ <filter name=" Close  Holes ">
+  <Param type="RichInt" value="30" name="MaxHoleSize" description="d" tooltip="t"/>
+  <Param type="RichAbsPerc" name="t" value="0.123456789012345678" min="0" max="34.6"/>
+  <Param type="RichEnum" name="e" value="1" enum_cardinality="2" enum_val0="a"
+     enum_val1="b &lt; c"/>
+  <Param type="RichColor" name="c" r="255" g="0" b="0" a="255"/>
+  <Param type="RichPosition" name="p" x="0" y="0" z="1"></Param>
+  <Param type="RichMatrix44f" name="M"
+     val0="1" val15="1"/>
+  <Param type="RichOpenFile" name="o" value="größe 1.ply" exts_cardinality="1" exts_val0="*.ply"/>
+ </filter>
+ <xmlfilter name="Screened Poisson"><xmlparam name="depth" value="8"/></xmlfilter>
+</FilterScript>
+"""
+
+
+def written(tmp_path: Path, content: str | bytes, name: str = "scan.mlx") -> Path:
+    path = tmp_path / name
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
+def test_every_form_is_read_with_its_lines(tmp_path):
+    script = read_script(written(tmp_path, EVERY_FORM))
+    first, second = script.steps
+    assert (first.name, first.line, first.from_xml_plugin) == (" Close  Holes ", 4, False)
+    assert [parameter.line for parameter in first.parameters] == [5, 6, 7, 9, 10, 11, 13]
+    by_name = {parameter.name: parameter for parameter in first.parameters}
+    assert by_name["MaxHoleSize"].text == "30"
+    assert by_name["t"].text == "0.123456789012345678"
+    assert by_name["t"].attributes == {"min": "0", "max": "34.6"}
+    assert by_name["e"].attributes["enum_val1"] == "b < c"
+    assert by_name["c"].text is None
+    assert by_name["c"].attributes == {"r": "255", "g": "0", "b": "0", "a": "255"}
+    assert by_name["M"].attributes == {"val0": "1", "val15": "1"}
+    assert by_name["o"].text == "größe 1.ply"
+    assert second == Step(
+        "Screened Poisson", 15, (Param("depth", 15, "", "8"),), from_xml_plugin=True
+    )
+
+
+def test_a_script_without_steps_is_a_script(tmp_path):
+    path = written(tmp_path, "<FilterScript/>")
+    assert read_script(str(path)) == Script(path, ())
+
+
+def inside(parameters: str) -> str:
+    return f"<FilterScript><filter name='a'>{parameters}</filter></FilterScript>"
+
+
+BOMB = """<!DOCTYPE FilterScript [
+<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>
+<FilterScript><filter name="&b;"/></FilterScript>"""
+STOLEN = """<!DOCTYPE FilterScript [<!ENTITY a SYSTEM "file:///etc/passwd">]>
+<FilterScript><filter name="&a;"/></FilterScript>"""
+
+
+@pytest.mark.parametrize(
+    ("content", "line", "words"),
+    [
+        ("", 1, "not XML: no element found"),
+        ("hello\n", 1, "not XML: syntax error"),
+        ("<FilterScript>\n<filter name='a'>\n</FilterScript>", 3, "not XML: mismatched tag"),
+        ("<FilterScript>\n", 2, "not XML: no element found"),
+        ("<FilterScript/>\n<more/>", 2, "not XML: junk after document element"),
+        (b"<FilterScript>\n\n<filter name='\xff'/></FilterScript>", 3, "not XML"),
+        (b"<?xml version='1.0' encoding='no-such'?><FilterScript/>", 1, "not"),
+        ("\n<MeshLabProject/>", 2, "must be <FilterScript>; got <MeshLabProject>"),
+        (BOMB, 2, "must not define entities"),
+        (STOLEN, 1, "must not define entities"),
+        ("<FilterScript>\n<filtre name='a'/></FilterScript>", 2, "or <xmlfilter>; got <filtre>"),
+        ("<FilterScript>\n<filter/></FilterScript>", 2, "has no name"),
+        ("<FilterScript>\n<filter name=' '/></FilterScript>", 2, "has no name"),
+        (inside("\n<Param type='RichInt' value='1'/>"), 2, "has no name"),
+        (inside("\n<Param name='n' value='1'/>"), 2, "'n' has no type"),
+        (inside("\n<xmlparam name='n' value='1'/>"), 2, "<xmlparam> has no place inside <filter>"),
+        (inside("<Param type='RichInt' name='n'/>\n<Param type='RichInt' name='N'/>"), 2, "'N' is given twice"),
+        (inside("<Param type='RichInt' name='n'>\n<Param/></Param>"), 2, "<Param> has no place inside <param>"),
+    ],
+)  # fmt: skip
+def test_bad_scripts_are_named_with_their_line(tmp_path, content, line, words):
+    path = written(tmp_path, content)
+    with pytest.raises(ScriptError) as caught:
+        read_script(path)
+    assert str(caught.value).startswith(f"{path}:{line}: ")
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    with pytest.raises(FileError, match=r"none\.mlx cannot be read: No such file"):
+        read_script(tmp_path / "none.mlx")
+    with pytest.raises(FileError, match="cannot be read: Is a directory"):
+        read_script(tmp_path)
+    with pytest.raises(FileError, match="cannot be read: embedded null"):
+        read_script("a\0b.mlx")
+
+
+XML_TEXT = st.text(
+    st.characters(codec="utf-8", exclude_categories=("Cc", "Cs"), exclude_characters="\ufffe\uffff")
+    | st.sampled_from("\t\n\r<>&\"' "),
+    max_size=12,
+)
+NAMES = XML_TEXT.filter(lambda name: bool(name.strip()))
+ATTRIBUTES = st.dictionaries(
+    st.sampled_from(["min", "max", "x", "enum_val0", "tooltip"]), XML_TEXT, max_size=3
+)
+
+
+@st.composite
+def steps(draw):
+    from_xml_plugin = draw(st.booleans())
+    types = st.just("") if from_xml_plugin else st.sampled_from(["RichInt", "RichString"])
+    names = draw(st.lists(NAMES, max_size=4, unique_by=str.lower))
+    parameters = tuple(
+        Param(name, 0, draw(types), draw(st.none() | XML_TEXT), draw(ATTRIBUTES)) for name in names
+    )
+    return Step(draw(NAMES), 0, parameters, from_xml_plugin)
+
+
+@settings(derandomize=True, deadline=None, max_examples=80)
+@given(st.lists(steps(), max_size=4))
+def test_reading_what_was_written_gives_it_back(tmp_path_factory, written_steps):
+    path = tmp_path_factory.getbasetemp() / "round trip.mlx"
+    write_script(written_steps, path)
+    assert read_script(path).steps == tuple(written_steps)
+    assert path.read_text(encoding="utf-8").startswith("<!DOCTYPE FilterScript>\n<FilterScript")
+
+
+def test_characters_that_xml_cannot_hold(tmp_path):
+    path = tmp_path / "a.mlx"
+    for bad in ("\0", "\x1b", "\ud800", "\uffff"):
+        with pytest.raises(ScriptError, match="XML cannot hold the character"):
+            write_script([Step(f"a{bad}", 0)], path)
+        with pytest.raises(ScriptError, match="XML cannot hold the character"):
+            write_script([Step("a", 0, (Param("n", 0, "RichString", bad),))], path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_script_goes_nowhere_without_its_directory(tmp_path):
+    with pytest.raises(FileError, match="no directory is at"):
+        write_script([], tmp_path / "none" / "a.mlx")
+
+
+class Everything(ParameterSet):
+    switch: bool = boolean(True, "l", "t")
+    count: int = integer(3, "l", "t", low=0)
+    share: float = number(0.1, "l", "t")
+    gap: float = diagonal_fraction(1.0 / 3.0, "l", "t")
+    mode: str = choice("b <", ("a", "b <"), "l", "t")
+    source: int = layer(-1, "l", "t")
+    note: str = text(" x ", "l", "t")
+
+
+FILTER = Filter(
+    menu_name="Do: Everything (AP)",
+    python_name="do_everything",
+    summary="s",
+    description="d",
+    parameters=Everything,
+    run=lambda layers, parameters, progress: Outcome(),
+    meshlab_class="Remeshing",
+    category="Creation/Reconstruction",
+)
+
+
+@settings(derandomize=True, deadline=None)
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_our_steps_come_back_to_the_last_bit(tmp_path_factory, share):
+    path = tmp_path_factory.getbasetemp() / "ours.mlx"
+    step = step_of(FILTER, {"share": share})
+    write_script([step], path)
+    (read,) = read_script(path).steps
+    assert read == step
+    assert [parameter.name for parameter in read.parameters] == list(FILTER.bind({}).values())
+    values = {
+        parameter.name: FILTER.parameters.find(parameter.name).parse(parameter.text)
+        for parameter in read.parameters
+    }
+    assert values == FILTER.bind({"share": share}).values()
+    assert math.copysign(1.0, values["share"]) == math.copysign(1.0, share)
+
+
+def test_our_steps_carry_their_types_and_words():
+    by_name = {parameter.name: parameter for parameter in step_of(FILTER, {}).parameters}
+    assert by_name["mode"] == Param(
+        "mode",
+        0,
+        "RichEnum",
+        "1",
+        {"enum_cardinality": "2", "enum_val0": "a", "enum_val1": "b <"},
+    )
+    assert by_name["switch"] == Param("switch", 0, "RichBool", "true")
+    assert by_name["gap"].text == repr(1.0 / 3.0)
+    assert by_name["source"].rich_type == "RichMesh"
+
+
+def test_our_steps_are_checked():
+    with pytest.raises(ParameterError, match="unknown parameter 'cuont'; did you mean 'count'"):
+        step_of(FILTER, {"cuont": 1})
