@@ -161,6 +161,8 @@ def border_points(points: Points, normals: Points, neighbours: int = 24) -> Bool
 class NearestField:
     """Nearest points of a cloud on a grid: one table lookup a query, right to about a cell."""
 
+    points: Points  # (n, 3)  the cloud
+    neighbours: Indices  # (n, 8)  nearest points of each point, itself included
     indices: Indices  # (a, b, c)  point nearest to the centre of each cell
     origin: Floats  # (3,)  centre of the first cell
     cell: float  # edge of a cell
@@ -172,6 +174,14 @@ class NearestField:
         rows = np.clip(cells[..., 0], 0, a - 1) * b + np.clip(cells[..., 1], 0, b - 1)
         keys = rows * c + np.clip(cells[..., 2], 0, c - 1)
         found: Indices = self.indices.reshape(-1)[keys]
+        return found
+
+    def closest(self, places: Floats) -> Indices:
+        """Return the closest among the looked-up point and its neighbours: exact near the cloud."""
+        options = self.neighbours[self.lookup(places)]
+        gaps = self.points[options] - places[..., np.newaxis, :]
+        nearest = np.argmin(np.einsum("...i,...i->...", gaps, gaps), axis=-1)
+        found: Indices = np.take_along_axis(options, nearest[..., np.newaxis], axis=-1)[..., 0]
         return found
 
 
@@ -205,4 +215,5 @@ def nearest_field(points: Points, cell: float, margin: float, most_cells: int) -
     empty = (occupants < 0).reshape(tuple(shape))
     a, b, c = distance_transform_edt(empty, return_distances=False, return_indices=True)
     nearest = occupants[(a.astype(np.int64) * shape[1] + b) * shape[2] + c]
-    return NearestField(nearest, low, cell)
+    neighbours = cKDTree(points).query(points, k=min(8, len(points)))[1].reshape(len(points), -1)
+    return NearestField(points, neighbours, nearest, low, cell)
