@@ -1,0 +1,77 @@
+"""How large a cloud is, and whether it fills space at all."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshlab_symrecon.arrays import Points
+from meshlab_symrecon.errors import GeometryError
+
+__all__ = ["box_diagonal", "require_solid", "robust_diagonal"]
+
+FLATNESS = 1e-7  # thickness / diagonal below which a cloud is flat; float32 files round at 6e-8
+ROUNDING = 8.0 * np.finfo(np.float64).eps  # relative error of a coordinate after a few operations
+
+
+def box_diagonal(points: Points) -> float:
+    """Return the diagonal of the axis-aligned box of a cloud, 0 for an empty one."""
+    if len(points) == 0:
+        return 0.0
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
+def robust_diagonal(points: Points, share: float = 0.005) -> float:
+    """Return the box diagonal without the outermost points.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Positions, at least one.
+    share : float
+        Share of the points left out at either end of each axis.
+
+    Returns
+    -------
+    float
+        Diagonal, in the units of the points.
+    """
+    low, high = np.quantile(points, [share, 1.0 - share], axis=0)
+    return float(np.linalg.norm(high - low))
+
+
+def require_solid(points: Points, purpose: str, minimum: int = 5) -> None:
+    """Check that a cloud has enough points, and that they do not lie in one plane.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Positions.
+    purpose : str
+        What the points are for: the subject of the error's sentence.
+    minimum : int
+        Number of points needed.
+
+    Raises
+    ------
+    GeometryError
+        Too few points, or points that coincide or lie on one line or in one plane.
+    """
+    if len(points) < minimum:
+        message = (
+            f"{purpose} needs at least {minimum} points not in one plane; got {len(points)}; "
+            "load a fuller scan"
+        )
+        raise GeometryError(message)
+    centred = points - points.mean(axis=0)
+    axes = np.linalg.eigh(centred.T @ centred)[1]
+    widths = np.sort(np.ptp(centred @ axes, axis=0))[::-1]
+    diagonal = float(np.linalg.norm(widths))
+    limit = max(FLATNESS * diagonal, ROUNDING * float(np.abs(points).max()))
+    rank = int(np.count_nonzero(widths > limit))
+    if rank < 3:  # noqa: PLR2004  # three dimensions
+        shape = ("that all coincide", "on one line", "in one plane")[rank]
+        message = (
+            f"{purpose} needs points not in one plane, since a flat cloud is its own mirror image; "
+            f"got {len(points)} points {shape}; scan the object from more sides"
+        )
+        raise GeometryError(message)

@@ -1,0 +1,219 @@
+"""Neighbourhoods of points: spacing, normals, outliers, borders, and fast nearest-point lookups."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+from scipy.spatial import cKDTree
+
+from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
+
+__all__ = [
+    "NearestField",
+    "border_points",
+    "local_spacing",
+    "nearest_field",
+    "principal_normals",
+    "tangent_bases",
+    "without_outliers",
+]
+
+
+def local_spacing(points: Points, neighbours: int = 4) -> Floats:
+    """Return the mean distance of each point to its nearest neighbours.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Positions.
+    neighbours : int
+        Number of neighbours, fewer where the cloud has fewer.
+
+    Returns
+    -------
+    (n,) float
+        Mean distances, 0 for a lone point.
+    """
+    nearest = min(neighbours, len(points) - 1)
+    if nearest < 1:
+        return np.zeros(len(points))
+    distances = cKDTree(points).query(points, k=nearest + 1)[0]
+    spacing: Floats = distances[:, 1:].mean(axis=1)
+    return spacing
+
+
+def without_outliers(points: Points, limit: float, rounds: int = 1, neighbours: int = 8) -> Indices:
+    """Return the points that are not isolated.
+
+    A point is isolated when the mean distance to its neighbours exceeds ``limit`` times the median of
+    that distance. Scattered clutter makes its own neighbours, so the test may be repeated.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Positions.
+    limit : float
+        Multiple of the median.
+    rounds : int
+        Number of repetitions.
+    neighbours : int
+        Number of neighbours.
+
+    Returns
+    -------
+    (m,) int
+        Indices of the points that stay, in order.
+    """
+    kept = np.arange(len(points))
+    for _ in range(rounds):
+        spacing = local_spacing(points[kept], neighbours)
+        kept = kept[spacing <= limit * np.median(spacing)]
+    return kept
+
+
+def principal_normals(points: Points, places: Points, neighbours: int) -> tuple[Floats, Floats]:
+    """Fit a plane to the neighbourhood of each place.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        The cloud.
+    places : (m, 3) float
+        Where to fit.
+    neighbours : int
+        Points in each neighbourhood.
+
+    Returns
+    -------
+    normals : (m, 3) float
+        Unit normals of arbitrary sign.
+    roughness : (m,) float
+        Standard deviation of the neighbourhood along its normal.
+    """
+    nearest = min(neighbours, len(points))
+    members = points[cKDTree(points).query(places, k=nearest)[1].reshape(len(places), nearest)]
+    centred = members - members.mean(axis=1, keepdims=True)
+    covariances = np.einsum("mki,mkj->mij", centred, centred) / nearest
+    variances, axes = np.linalg.eigh(covariances)
+    return axes[:, :, 0].copy(), np.sqrt(np.maximum(variances[:, 0], 0.0))
+
+
+def tangent_bases(normals: Points) -> tuple[Floats, Floats]:
+    """Return two unit vectors that complete each unit normal to an orthonormal basis.
+
+    Parameters
+    ----------
+    normals : (m, 3) float
+        Unit normals.
+
+    Returns
+    -------
+    first, second : (m, 3) float
+        Tangents.
+    """
+    rows = np.arange(len(normals))
+    helpers = np.zeros_like(normals)
+    helpers[rows, np.argmin(np.abs(normals), axis=1)] = 1.0
+    first = np.cross(normals, helpers)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return first, np.cross(normals, first)
+
+
+def border_points(points: Points, normals: Points, neighbours: int = 24) -> Booleans:
+    """Find the points on the border of an open surface, such as the rim of a hole.
+
+    Seen in the tangent plane, the neighbours of a border point leave an angle free. A majority vote
+    among nearby points removes chance gaps.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        The cloud.
+    normals : (n, 3) float
+        Unit normals of either sign.
+    neighbours : int
+        Neighbours looked at.
+
+    Returns
+    -------
+    (n,) bool
+        True on the border.
+    """
+    free_angle = np.radians(105.0)  # a straight rim leaves 180, an even interior at most about 60
+    voters, majority = 9, 4
+    nearest = min(neighbours + 1, len(points))
+    members = cKDTree(points).query(points, k=nearest)[1].reshape(len(points), nearest)
+    offsets = points[members[:, 1:]] - points[:, np.newaxis]
+    first, second = tangent_bases(normals)
+    along = np.einsum("nki,ni->nk", offsets, first)
+    across = np.einsum("nki,ni->nk", offsets, second)
+    angles = np.sort(np.arctan2(across, along), axis=1)
+    gaps = np.diff(angles, axis=1, append=angles[:, :1] + 2.0 * np.pi)
+    open_points = gaps.max(axis=1, initial=0.0) > free_angle
+    votes = open_points[members[:, :voters]].sum(axis=1)
+    border: Booleans = votes >= majority
+    return border
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NearestField:
+    """Nearest points of a cloud on a grid: one table lookup a query, right to about a cell."""
+
+    points: Points  # (n, 3)  the cloud
+    neighbours: Indices  # (n, 8)  nearest points of each point, itself included
+    indices: Indices  # (a, b, c)  point nearest to the centre of each cell
+    origin: Floats  # (3,)  centre of the first cell
+    cell: float  # edge of a cell
+
+    def lookup(self, places: Floats) -> Indices:
+        """Return the index of a point near each place, of shape ``places.shape[:-1]``."""
+        cells = np.rint((places - self.origin) * (1.0 / self.cell)).astype(np.int32)
+        a, b, c = self.indices.shape
+        rows = np.clip(cells[..., 0], 0, a - 1) * b + np.clip(cells[..., 1], 0, b - 1)
+        keys = rows * c + np.clip(cells[..., 2], 0, c - 1)
+        found: Indices = self.indices.reshape(-1)[keys]
+        return found
+
+    def closest(self, places: Floats) -> Indices:
+        """Return the closest among the looked-up point and its neighbours: exact near the cloud."""
+        options = self.neighbours[self.lookup(places)]
+        gaps = self.points[options] - places[..., np.newaxis, :]
+        nearest = np.argmin(np.einsum("...i,...i->...", gaps, gaps), axis=-1)
+        found: Indices = np.take_along_axis(options, nearest[..., np.newaxis], axis=-1)[..., 0]
+        return found
+
+
+def nearest_field(points: Points, cell: float, margin: float, most_cells: int) -> NearestField:
+    """Tabulate the nearest points of a cloud by an exact distance transform.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        The cloud.
+    cell : float
+        Wanted edge of a cell; made larger where the grid would have more than ``most_cells``.
+    margin : float
+        Width of the rim around the box of the cloud; places beyond it use the rim's cells.
+    most_cells : int
+        Largest number of cells.
+
+    Returns
+    -------
+    NearestField
+        The table.
+    """
+    low = points.min(axis=0) - margin
+    widths = points.max(axis=0) + margin - low
+    cell = max(cell, float(np.cbrt(np.prod(widths) / most_cells)))
+    shape = np.ceil(widths / cell).astype(np.int64) + 1
+    cells = np.rint((points - low) / cell).astype(np.int64)
+    keys = (cells[:, 0] * shape[1] + cells[:, 1]) * shape[2] + cells[:, 2]
+    occupants = np.full(int(np.prod(shape)), -1, dtype=np.int64)
+    occupants[keys] = np.arange(len(points))
+    empty = (occupants < 0).reshape(tuple(shape))
+    a, b, c = distance_transform_edt(empty, return_distances=False, return_indices=True)
+    nearest = occupants[(a.astype(np.int64) * shape[1] + b) * shape[2] + c]
+    neighbours = cKDTree(points).query(points, k=min(8, len(points)))[1].reshape(len(points), -1)
+    return NearestField(points, neighbours, nearest, low, cell)

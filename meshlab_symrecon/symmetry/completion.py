@@ -1,0 +1,175 @@
+"""Completion: what was not measured is filled with mirror images of what was."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
+
+from meshlab_symrecon.arrays import (
+    Booleans,
+    Floats,
+    Indices,
+    Planes,
+    Points,
+    as_normals,
+    as_planes,
+    as_points,
+)
+from meshlab_symrecon.errors import GeometryError, ParameterError
+from meshlab_symrecon.geometry.bounds import robust_diagonal
+from meshlab_symrecon.geometry.neighbours import local_spacing
+from meshlab_symrecon.geometry.planes import reflect, reflect_directions
+
+__all__ = ["CompletedPoints", "mirror_complete"]
+
+Progress: TypeAlias = Callable[[float, str], None]
+
+SPACING_NEIGHBOURS = 4
+SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
+ISOLATED = 3.0  # medians of the distance to 8 neighbours: farther points are not copied
+BLEND_OVERLAP = 0.03  # diagonals: mirrored points nearer than this to measured ones show the offset
+BLEND_NEIGHBOURS = 32  # whose median offset counts
+BLEND_SOURCES = 24  # overlap points that move a filled point
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CompletedPoints:
+    """A completed cloud: the measured points first, as they came, then the mirrored ones."""
+
+    points: Points  # (n + m, 3)
+    normals: Points | None  # (n + m, 3)  outward where the given ones were
+    colours: Floats | None  # (n + m, c)  copied
+    quality: Floats | None  # (n + m,)  copied
+    mirrored: Booleans  # (n + m,)  False: measured
+    source: Indices  # (n + m,)  the measured point that each point is, or is the image of
+
+
+def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
+    points: ArrayLike,
+    planes: ArrayLike,
+    normals: ArrayLike | None = None,
+    colours: ArrayLike | None = None,
+    quality: ArrayLike | None = None,
+    *,
+    gap: float = 1.5,
+    blend: float = 0.0,
+    progress: Progress | None = None,
+) -> CompletedPoints:
+    """Fill the missing parts of a cloud with its own mirror images.
+
+    A mirror image is added where nothing was measured: farther from every point so far than ``gap``
+    times the spacing there. Isolated points are not copied. Planes are used one after the other, each
+    on the cloud completed so far, so that two planes fill four quarters from one.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        The measured points.
+    planes : (k, 4) or (4,) float
+        Planes ``Ax + By + Cz + D = 0``.
+    normals : (n, 3) float, optional
+        Normals; mirrored by ``I - 2 n n^T``, which keeps outward normals outward.
+    colours : (n, c) array, optional
+        Colours; copied.
+    quality : (n,) array, optional
+        One number for each point; copied.
+    gap : float
+        Multiples of the local spacing.
+    blend : float
+        Diagonals over which the filled part leans towards the measured surface at the seam; 0 for
+        exact mirror images. Measured points never move.
+    progress : callable, optional
+        Called with a fraction and a message.
+
+    Returns
+    -------
+    CompletedPoints
+        Measured points first, bit for bit and in order.
+
+    Raises
+    ------
+    GeometryError
+        Arrays of the wrong shape, values that are not finite, or fewer than two points.
+    ParameterError
+        ``gap`` not positive, or ``blend`` negative.
+    """
+    if not (np.isfinite(gap) and gap > 0.0):
+        raise ParameterError(f"gap must be a positive multiple of the spacing; got {gap!r}; use 1.5")
+    if not (np.isfinite(blend) and blend >= 0.0):
+        raise ParameterError(f"blend must be 0 or a positive length; got {blend!r}; use 0.06")
+    measured = as_points(points, minimum=2)
+    mirrors = as_planes(np.atleast_2d(np.asarray(planes, dtype=np.float64)))
+    count = len(measured)
+    directions = None if normals is None else as_normals(normals, count)
+    paint = None if colours is None else _attribute(colours, count, "colours")
+    worth = None if quality is None else _attribute(quality, count, "quality")
+
+    positions, source = measured, np.arange(count)
+    for step, plane in enumerate(mirrors):
+        if progress is not None:
+            progress(step / len(mirrors), "filling with mirror images")
+        added, origin = _fill(positions, plane, gap, blend)
+        positions = np.concatenate([positions, added])
+        source = np.concatenate([source, source[origin]])
+        if directions is not None:
+            turned = reflect_directions(directions[origin], plane)
+            directions = np.concatenate([directions, turned])
+    if progress is not None:
+        progress(1.0, "completed")
+    return CompletedPoints(
+        points=positions,
+        normals=directions,
+        colours=None if paint is None else paint[source],
+        quality=None if worth is None else worth[source],
+        mirrored=np.arange(len(positions)) >= count,
+        source=source,
+    )
+
+
+def _attribute(values: ArrayLike, count: int, what: str) -> Floats:
+    rows = np.array(values)
+    if rows.ndim == 0 or len(rows) != count:
+        message = f"{what} must have one row a point, {count}; got shape {rows.shape}; leave them out"
+        raise GeometryError(message)
+    return rows
+
+
+def _fill(points: Points, plane: Floats, gap: float, blend: float) -> tuple[Points, Indices]:
+    """Return the mirror images that fill gaps, and the points they are images of."""
+    neighbourhood = local_spacing(points, 8)
+    origin = np.flatnonzero(neighbourhood <= ISOLATED * np.median(neighbourhood))
+    images = reflect(points[origin], plane)
+    spacing = local_spacing(points, SPACING_NEIGHBOURS)
+    low, high = (factor * float(np.median(spacing)) for factor in SPACING_RANGE)
+    tree = cKDTree(points)
+    distances, nearest = tree.query(images)
+    if blend > 0.0:
+        images = _lean(images, points[nearest], distances, blend, robust_diagonal(points))
+        distances, nearest = tree.query(images)
+    missing = distances > gap * np.clip(spacing[nearest], low, high)
+    return images[missing], origin[missing]
+
+
+def _lean(
+    images: Points, partners: Points, distances: Floats, blend: float, diagonal: float
+) -> Points:
+    """Move mirror images by the offset seen where they overlap what was measured, fading out."""
+    overlap = np.flatnonzero(distances < BLEND_OVERLAP * diagonal)
+    if len(overlap) < BLEND_NEIGHBOURS:
+        return images
+    reach = blend * diagonal
+    tree = cKDTree(images[overlap])
+    around = tree.query(images[overlap], k=BLEND_NEIGHBOURS)[1]
+    offsets = np.median((partners - images)[overlap][around], axis=1)
+    gaps, sources = tree.query(images, k=min(BLEND_SOURCES, len(overlap)))
+    nearness = gaps - gaps[:, :1]  # the farther from the seam, the wider the average
+    weights = np.exp(-0.5 * (nearness / (0.3 * reach)) ** 2)
+    weights /= weights.sum(axis=1, keepdims=True)
+    fading = np.exp(-0.5 * (gaps[:, 0] / reach) ** 2)
+    moved: Points = images + fading[:, np.newaxis] * np.einsum("nk,nki->ni", weights, offsets[sources])
+    return moved

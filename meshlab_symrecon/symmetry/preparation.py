@@ -1,0 +1,170 @@
+"""Prepare a cloud for the search: unit size, clutter removed, even, with normals and borders."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
+from meshlab_symrecon.geometry.bounds import robust_diagonal
+from meshlab_symrecon.geometry.neighbours import (
+    NearestField,
+    border_points,
+    nearest_field,
+    principal_normals,
+    without_outliers,
+)
+from meshlab_symrecon.geometry.sampling import (
+    canonical_order,
+    farthest_point_order,
+    principal_frame,
+    thin_by_voxels,
+    voxel_means,
+)
+
+__all__ = ["PreparedCloud", "prepare"]
+
+# All lengths of the prepared cloud are in robust diagonals of the cloud without its clutter.
+DENSE_COUNT = 40_000  # points of the level on which clutter is found and normals are fitted
+BASE_COUNT = 8_000  # points of the level that is searched
+CLUTTER_LIMIT = 2.0  # multiple of the median neighbour distance
+CLUTTER_ROUNDS = 2
+NOISY = 0.0025  # roughness of the surface above which the base points are smoothed
+FIELD_CELL = 0.008  # edge of a cell of the nearest-point table
+FIELD_MARGIN = 0.12  # width of its rim
+FIELD_CELLS = 500_000
+ORIENTATION_RADIUS = 0.22  # of the ball whose centroid tells the inside from the outside
+CLEAR_ORIENTATION = 0.12  # of that radius: a smaller offset of the centroid tells nothing
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PreparedCloud:
+    """An even cloud of unit size around the origin."""
+
+    points: Points  # (m, 3)
+    normals: Points  # (m, 3)  unit, pointing outwards where ``oriented``
+    oriented: Booleans  # (m,)  the sign of the normal is known
+    border: Booleans  # (m,)  on the rim of a hole
+    border_distance: Floats  # (m,)  to the nearest rim, infinite without one
+    samples: Indices  # (s,)  farthest-point order: each beginning is an even sample
+    root_covariance: Floats  # (3, 3)  square root of the covariance of the points
+    spacing: float  # median distance to the nearest point
+    roughness: float  # median deviation from the local planes: noise and bending
+    field: NearestField
+    tree: cKDTree
+    centre: Floats  # (3,)  origin, in the coordinates of the input
+    scale: float  # diagonal, in the units of the input
+
+
+def prepare(points: Points, normals: Points | None, sample_count: int) -> PreparedCloud:
+    """Bring a cloud to the form that the search works on.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        The scan, not flat.
+    normals : (n, 3) float or None
+        Outward normals; only their sides are used, since directions are fitted anew.
+    sample_count : int
+        Number of even samples to order.
+
+    Returns
+    -------
+    PreparedCloud
+        The same for any order of the points, up to rounding for any position and size.
+    """
+    order = canonical_order(points)
+    points = points[order]
+    centre, axes = principal_frame(points)
+    unit = robust_diagonal(points @ axes.T)
+    framed = (points - centre) @ axes.T / unit
+    sides = None if normals is None else normals[order] @ axes.T
+    dense, dense_sides = _dense_level(framed, sides)
+    kept = without_outliers(dense, CLUTTER_LIMIT, CLUTTER_ROUNDS)
+    dense = dense[kept]
+    dense_sides = None if dense_sides is None else dense_sides[kept]
+    shift = dense.mean(axis=0)
+    size = robust_diagonal(dense)
+    dense = (dense - shift) / size
+    base = _base_level(dense)
+    places, directions, roughness = _smooth_surface(dense, dense[base])
+    hints = None if dense_sides is None else dense_sides[base]
+    directions, oriented = _orient(places, directions, hints)
+    # Back to axes parallel to the input's, so that planes need no turning afterwards.
+    places, directions = places @ axes, directions @ axes
+    border = border_points(places, directions)
+    tree = cKDTree(places)
+    covariance = np.cov(places.T, bias=True)
+    variances, vectors = np.linalg.eigh(covariance)
+    rims = cKDTree(places[border]).query(places)[0] if border.any() else np.inf
+    return PreparedCloud(
+        points=places,
+        normals=directions,
+        oriented=oriented,
+        border=border,
+        border_distance=np.broadcast_to(rims, len(places)),
+        samples=farthest_point_order(places, sample_count),
+        root_covariance=(vectors * np.sqrt(np.maximum(variances, 0.0))) @ vectors.T,
+        spacing=float(np.median(tree.query(places, k=2)[0][:, 1])),
+        roughness=roughness,
+        field=nearest_field(places, FIELD_CELL, FIELD_MARGIN, FIELD_CELLS),
+        tree=tree,
+        centre=centre + (unit * shift) @ axes,
+        scale=unit * size,
+    )
+
+
+def _dense_level(points: Points, sides: Points | None) -> tuple[Points, Points | None]:
+    labels, count = thin_by_voxels(points, DENSE_COUNT)
+    if count == len(points):
+        return points, sides
+    means = voxel_means(points, labels, count)
+    return means, None if sides is None else voxel_means(sides, labels, count)
+
+
+def _base_level(points: Points) -> Indices:
+    """Choose from each voxel the point nearest to the mean of its points."""
+    labels, count = thin_by_voxels(points, BASE_COUNT)
+    off_centre = ((points - voxel_means(points, labels, count)[labels]) ** 2).sum(axis=1)
+    order = np.lexsort((off_centre, labels))
+    first = np.flatnonzero(np.diff(labels[order], prepend=-1))
+    chosen: Indices = order[first]
+    return chosen
+
+
+def _smooth_surface(dense: Points, places: Points) -> tuple[Points, Points, float]:
+    """Fit normals; where the cloud is noisy, project the places on the fitted planes as well."""
+    neighbours = int(np.clip(len(dense) // 400, 16, 40))
+    normals, deviations = principal_normals(dense, places, neighbours)
+    roughness = float(np.median(deviations))
+    if roughness <= NOISY:
+        return places, normals, roughness
+    neighbours = int(np.clip(len(dense) // 120, 40, 60))
+    tree = cKDTree(dense)
+    for _ in range(2):
+        members = dense[tree.query(places, k=min(neighbours, len(dense)))[1]]
+        normals, _ = principal_normals(dense, places, neighbours)
+        heights = np.einsum("mi,mi->m", members.mean(axis=1) - places, normals)
+        places = places + heights[:, np.newaxis] * normals
+    return places, normals, roughness
+
+
+def _orient(
+    points: Points, normals: Points, hints: Points | None
+) -> tuple[Points, Booleans]:
+    """Turn normals away from the centroid of their surroundings, or to the side of the hints."""
+    if hints is not None:
+        along = np.einsum("mi,mi->m", normals, hints)
+        clear = np.abs(along) > 0.5 * np.linalg.norm(hints, axis=1)
+    else:
+        landmarks = points[farthest_point_order(points, 600)]
+        squares = ((points**2).sum(axis=1)[:, np.newaxis] + (landmarks**2).sum(axis=1)) - (
+            2.0 * points @ landmarks.T
+        )
+        near = (squares < ORIENTATION_RADIUS**2).astype(np.float64)
+        centroids = near @ landmarks / np.maximum(near.sum(axis=1), 1.0)[:, np.newaxis]
+        along = -np.einsum("mi,mi->m", centroids - points, normals)
+        clear = np.abs(along) > CLEAR_ORIENTATION * ORIENTATION_RADIUS
+    return normals * np.where(along < 0.0, -1.0, 1.0)[:, np.newaxis], clear
