@@ -39,7 +39,7 @@ struct Margins {
   double orientation;
   double power;
 
-  // Differences at most 2^101, differences of weights at most 2^201: an underflow of 2^-1074 grows by at most
+  // Differences at most 2^101, differences of weights at most 2^202: an underflow of 2^-1074 grows by at most
   // 2^101 (orientation) or 2^101 * 2^204 (power), a hundred of them by 2^7 more.
   static Margins safe() { return {std::ldexp(1.0, -900), std::ldexp(1.0, -700)}; }
   static Margins never() {

@@ -1,11 +1,11 @@
 #include "regular_triangulation.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "cell_complex.hpp"
 #include "predicates.hpp"
 #include "ridge_table.hpp"
+#include "scaling.hpp"
 #include "spatial_order.hpp"
 
 namespace symrecon {
@@ -230,46 +230,6 @@ int find_simplex(const std::vector<Site>& sites, const Margins& margins, Four& s
   return std::max(rank, 0);
 }
 
-// Half the widest range of coordinates, or the root of a quarter of the range of the weights: overflow-free.
-double extent_of(const std::vector<Site>& sites) {
-  Site low = sites.front(), high = low;
-  for (const Site& site : sites) {
-    low = {std::min(low.x, site.x), std::min(low.y, site.y), std::min(low.z, site.z), std::min(low.weight, site.weight)};
-    high = {std::max(high.x, site.x), std::max(high.y, site.y), std::max(high.z, site.z),
-            std::max(high.weight, site.weight)};
-  }
-  const double sides[3] = {0.5 * high.x - 0.5 * low.x, 0.5 * high.y - 0.5 * low.y, 0.5 * high.z - 0.5 * low.z};
-  const double weights = std::sqrt(0.25 * high.weight - 0.25 * low.weight);
-  return std::max(std::max(sides[0], sides[1]), std::max(sides[2], weights));
-}
-
-bool rescale(std::vector<Site>& sites, int exponent) {
-  const auto exactly = [](double& value, int power) {
-    const double scaled = std::ldexp(value, power);
-    const bool exact = std::isfinite(scaled) && std::ldexp(scaled, -power) == value;
-    value = scaled;
-    return exact;
-  };
-  std::vector<Site> scaled = sites;
-  for (Site& site : scaled)
-    if (!(exactly(site.x, exponent) && exactly(site.y, exponent) && exactly(site.z, exponent) &&
-          exactly(site.weight, 2 * exponent)))
-      return false;
-  sites.swap(scaled);
-  return true;
-}
-
-// Bring sites of unusual size near 1 by a power of two, if that loses no bit; else only the integers decide.
-Margins normalise(std::vector<Site>& sites) {
-  constexpr int usual = 100;  // see Margins::safe
-  const double extent = extent_of(sites);
-  if (extent == 0.0) return Margins::safe();
-  int exponent;
-  std::frexp(extent, &exponent);
-  if (std::abs(exponent) < usual || rescale(sites, -exponent)) return Margins::safe();
-  return exponent > 0 ? Margins::never() : Margins::safe();
-}
-
 // Sites in order of insertion without those at a position that came before.
 struct Distinct {
   std::vector<Site> sites;
@@ -320,7 +280,7 @@ RegularTriangulation regular_triangulation(std::vector<Site> sites, const Progre
     site.z += 0.0;
   }
   const std::size_t total = sites.size();
-  const Margins margins = normalise(sites);
+  const Margins margins = bring_to_usual_size(sites);
   Distinct distinct = distinct_in_order(sites);
   std::vector<Site>().swap(sites);
   result.representative.swap(distinct.representative);
