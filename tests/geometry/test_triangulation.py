@@ -149,7 +149,7 @@ def test_signs_alternate_under_permutation():
         orientation = _native.orientation(points[:4])
         power = _native.power_test(points, weights)
         for order in itertools.permutations(range(5)):
-            parity = sign(np.linalg.det(np.eye(5)[list(order)]))
+            parity = round(np.linalg.det(np.eye(5)[list(order)]))
             assert _native.power_test(points[list(order)], weights[list(order)]) == parity * power
             if order[4] == 4:
                 assert _native.orientation(points[list(order[:4])]) == parity * orientation
@@ -224,7 +224,7 @@ def test_delaunay_of_hard_input_is_valid(make):
     assert checks.cell_set(shuffled, labels[order]) == checks.cell_set(result)
 
 
-@pytest.mark.parametrize("make", inputs.INPUTS, ids=lambda make: make.__name__)
+@pytest.mark.parametrize("make", inputs.INPUTS_WITH_POLES, ids=lambda make: make.__name__)
 def test_poles_of_hard_input_triangulate(make):
     poles, weights = poles_of(delaunay(make()))
     usable = np.isfinite(poles).all(axis=1) & np.isfinite(weights)
@@ -422,7 +422,7 @@ def test_centres_are_accurate_even_in_flat_cells(make, weighted):
         for k in range(3):
             error = abs(Fraction(float(centres[cell, k])) - centre[k])
             rounding = abs(centre[k]) * Fraction(2) ** -52 + Fraction(5e-324)
-            assert error <= reach * Fraction(4e-12) + rounding
+            assert error <= reach * Fraction(1.001e-12) + rounding
 
 
 # --- oracle --------------------------------------------------------------------------------------

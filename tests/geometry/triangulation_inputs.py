@@ -171,3 +171,10 @@ INPUTS = [
     below_floating_point_range,
     both_ends_of_floating_point_range,
 ]
+
+# the radii of these squared are beyond any float
+INPUTS_WITH_POLES = [
+    make
+    for make in INPUTS
+    if make not in {beyond_floating_point_range, both_ends_of_floating_point_range}
+]
