@@ -9,9 +9,7 @@ def regular_triangulation(
     points: NDArray[np.float64],
     weights: NDArray[np.float64],
     progress: Callable[[float], object] | None = None,
-) -> tuple[
-    int, NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]
-]: ...
+) -> tuple[int, NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]: ...
 def orthocentres(
     points: NDArray[np.float64], weights: NDArray[np.float64], cells: NDArray[np.int32]
 ) -> NDArray[np.float64]: ...

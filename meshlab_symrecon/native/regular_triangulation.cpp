@@ -139,17 +139,21 @@ class Triangulator {
     for (std::size_t next = 0; next < cavity_.size(); ++next) {
       const std::int32_t index = cavity_[next];
       const Cell& cell = complex_[index];
+      if (next + 1 < cavity_.size()) complex_.announce_neighbours(cavity_[next + 1]);
+      // All tests before the first consequence: their outcomes are unpredictable, so that a branch after each would
+      // keep the processor from working on several at a time.
+      std::uint8_t verdicts[4];
+      for (int k = 0; k < 4; ++k) {
+        verdicts[k] = complex_.mark(cell.neighbour[k]);
+        if (verdicts[k] == CellComplex::unvisited)
+          verdicts[k] = in_conflict(cell.neighbour[k], site) ? CellComplex::in_cavity : CellComplex::outside_cavity;
+      }
       for (int k = 0; k < 4; ++k) {
         const std::int32_t other = cell.neighbour[k];
         std::uint8_t& mark = complex_.mark(other);
         if (mark == CellComplex::unvisited) {
-          if (in_conflict(other, site)) {
-            mark = CellComplex::in_cavity;
-            cavity_.push_back(other);
-          } else {
-            mark = CellComplex::outside_cavity;
-            visited_outside_.push_back(other);
-          }
+          mark = verdicts[k];
+          (mark == CellComplex::in_cavity ? cavity_ : visited_outside_).push_back(other);
         }
         if (mark == CellComplex::outside_cavity) {
           BoundaryFacet facet = {cell.vertex, k, other, complex_[other].place_of_neighbour(index)};

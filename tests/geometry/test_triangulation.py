@@ -1,4 +1,4 @@
-"""Exact Delaunay and regular triangulation (about 30 seconds)."""
+"""Exact Delaunay and regular triangulation (about 12 seconds)."""
 
 from __future__ import annotations
 
@@ -72,15 +72,20 @@ def poles_of(triangulation):
 
 def exact_orientation(points):
     p = [[Fraction(float(x)) for x in row] for row in points]
-    return sign(fraction_determinant([[x - y for x, y in zip(row, p[0])] for row in p[1:]]))
+    return sign(
+        fraction_determinant([[x - y for x, y in zip(row, p[0], strict=True)] for row in p[1:]])
+    )
 
 
 def exact_power(points, weights):
     """+1 when the fifth site is in conflict with the (positive) cell of the first four."""
     p = [[Fraction(float(x)) for x in row] for row in points]
     w = [Fraction(float(x)) for x in weights]
-    rows = [[*row, sum(x * x for x in row) - weight, Fraction(1)] for row, weight in zip(p, w)]
-    rows = [[x - y for x, y in zip(row, rows[4])][:4] for row in rows[:4]]
+    rows = [
+        [*row, sum(x * x for x in row) - weight, Fraction(1)]
+        for row, weight in zip(p, w, strict=True)
+    ]
+    rows = [[x - y for x, y in zip(row, rows[4], strict=True)][:4] for row in rows[:4]]
     return -sign(fraction_determinant(rows))
 
 
@@ -229,15 +234,7 @@ def test_poles_of_hard_input_triangulate(make):
     poles, weights = poles_of(delaunay(make()))
     usable = np.isfinite(poles).all(axis=1) & np.isfinite(weights)
     poles, weights = poles[usable], weights[usable]
-    try:
-        result = regular_triangulation(poles, weights)
-    except GeometryError:
-        exact = checks.ExactSites.of(poles, weights).positions
-        subsets = np.array(list(itertools.islice(itertools.combinations(range(len(exact)), 4), 5000)))
-        flat = len(subsets) == 0 or not checks.ExactSites(exact, None).orientations(subsets).any()
-        assert flat, "refused although the poles span three dimensions"
-        return
-    checks.assert_valid(result)
+    checks.assert_valid(regular_triangulation(poles, weights))
 
 
 @pytest.mark.parametrize("size", [2, 3, 5, 8, 12])
@@ -304,7 +301,7 @@ def test_a_common_weight_or_motion_of_the_paraboloid_changes_nothing():
     weights = np.random.default_rng(16).integers(0, 400, 120).astype(float)
     expected = checks.cell_set(regular_triangulation(points, weights))
     assert checks.cell_set(regular_triangulation(points, weights + 4096.0)) == expected
-    moved = regular_triangulation(points + [1024.0, -2048.0, 512.0], weights)
+    moved = regular_triangulation(points + np.array([1024.0, -2048.0, 512.0]), weights)
     assert checks.cell_set(moved) == expected
     scaled = regular_triangulation(points * 2.0**300, weights * 2.0**600)
     assert checks.cell_set(scaled) == expected
@@ -394,14 +391,14 @@ def test_cells_of_unknown_sites_are_refused():
 def exact_centre(points, weights):
     p = [[Fraction(float(x)) for x in row] for row in points]
     w = [Fraction(float(x)) for x in weights]
-    arms = [[x - y for x, y in zip(row, p[0])] for row in p[1:]]
-    lifts = [sum(x * x for x in arm) - a + w[0] for arm, a in zip(arms, w[1:])]
+    arms = [[x - y for x, y in zip(row, p[0], strict=True)] for row in p[1:]]
+    lifts = [sum(x * x for x in arm) - a + w[0] for arm, a in zip(arms, w[1:], strict=True)]
     determinant = 2 * fraction_determinant(arms)
     offset = []
     for k in range(3):
-        replaced = [[*arm[:k], lift, *arm[k + 1 :]] for arm, lift in zip(arms, lifts)]
+        replaced = [[*arm[:k], lift, *arm[k + 1 :]] for arm, lift in zip(arms, lifts, strict=True)]
         offset.append(fraction_determinant(replaced) / determinant)
-    return offset, [x + y for x, y in zip(p[0], offset)]
+    return offset, [x + y for x, y in zip(p[0], offset, strict=True)]
 
 
 @pytest.mark.parametrize("make", inputs.INPUTS, ids=lambda make: make.__name__)

@@ -1,4 +1,4 @@
-"""What must be true of a regular triangulation, checked in Python's integers, apart from the kernel."""
+"""What must be true of a regular triangulation, in Python's integers, apart from the kernel."""
 
 from __future__ import annotations
 
@@ -186,7 +186,9 @@ def perturbed_power_sign(exact: ExactSites, ranks, cell, other) -> int:
 def brute_force(points, weights) -> set[tuple[int, ...]]:
     """All four-subsets whose perturbed ball has positive power to every other site."""
     exact = ExactSites.of(points, weights)
-    ranks = {i: rank for rank, i in enumerate(sorted(range(len(points)), key=lambda i: tuple(points[i])))}
+    ranks = {
+        i: rank for rank, i in enumerate(sorted(range(len(points)), key=lambda i: tuple(points[i])))
+    }
     found = set()
     for subset in itertools.combinations(range(len(points)), 4):
         sign = exact.orientations(np.array([subset]))[0]
