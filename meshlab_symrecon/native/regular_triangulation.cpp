@@ -13,7 +13,7 @@ namespace symrecon {
 namespace {
 
 constexpr std::int32_t insertions_per_report = 1 << 14;
-constexpr std::size_t expected_cells_per_site = 8;  // surface samples 7.2, their poles 8: a reservation, not a limit
+constexpr std::size_t expected_cells_per_site = 10;  // surface samples 8, their poles 9: a reservation, not a limit
 
 class Triangulator {
  public:
