@@ -1,4 +1,4 @@
-"""Delaunay and regular (weighted Delaunay) triangulation of points in space, in exact arithmetic."""
+"""Delaunay and regular (weighted Delaunay) triangulation of points in space, exact."""
 
 from __future__ import annotations
 
@@ -131,8 +131,8 @@ def _as_weights(values: ArrayLike, count: int) -> Floats:
     finite = np.isfinite(weights)
     if not finite.all():
         message = (
-            f"weights must be finite; got {np.count_nonzero(~finite)} NaN or infinity, the first at "
-            f"index {np.argmin(finite)}; remove those points first"
+            f"weights must be finite; got {np.count_nonzero(~finite)} NaN or infinity, the first "
+            f"at index {np.argmin(finite)}; remove those points first"
         )
         raise GeometryError(message)
     weights.setflags(write=False)

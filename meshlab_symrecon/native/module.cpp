@@ -10,6 +10,7 @@
 #include "orthocentres.hpp"
 #include "predicates.hpp"
 #include "regular_triangulation.hpp"
+#include "scaling.hpp"
 
 namespace nb = nanobind;
 using namespace symrecon;
@@ -84,28 +85,27 @@ enum Stage { all_stages, filter_only, fine_only, exact_only };
 
 int orientation_of(const PointArray& points, int stage) {
   if (points.shape(0) != 4) throw std::invalid_argument("four points are needed");
-  const double* p = points.data();
-  const auto site = [&](int i) { return Site{p[3 * i], p[3 * i + 1], p[3 * i + 2], 0.0}; };
-  const Site a = site(0), b = site(1), c = site(2), d = site(3);
-  const Margins margins = Margins::safe();
+  std::vector<Site> s(4);
+  for (int i = 0; i < 4; ++i) s[i] = {points.data()[3 * i], points.data()[3 * i + 1], points.data()[3 * i + 2], 0.0};
+  const Margins margins = margins_for(s);
   double permanent;
-  const int filtered = filtered_orientation(a, b, c, d, margins.orientation, permanent);
+  const int filtered = filtered_orientation(s[0], s[1], s[2], s[3], margins.orientation, permanent);
+  const double bound = fine_orientation_bound * permanent + margins.orientation;
   if (stage == filter_only) return filtered;
-  if (stage == fine_only)
-    return fine_orientation(a, b, c, d, fine_orientation_bound * permanent + margins.orientation);
-  if (stage == exact_only) return exact_orientation(a, b, c, d);
-  return orientation(a, b, c, d, margins);
+  if (stage == fine_only) return fine_orientation(s[0], s[1], s[2], s[3], bound);
+  if (stage == exact_only) return exact_orientation(s[0], s[1], s[2], s[3]);
+  return orientation(s[0], s[1], s[2], s[3], margins);
 }
 
 int power_test_of(const PointArray& points, const FloatArray& weights, int stage) {
   if (points.shape(0) != 5) throw std::invalid_argument("five points are needed");
   const std::vector<Site> s = gather(points, weights);
-  const Margins margins = Margins::safe();
+  const Margins margins = margins_for(s);
   double permanent;
   const int filtered = filtered_power_test(s[0], s[1], s[2], s[3], s[4], margins.power, permanent);
+  const double bound = fine_power_bound * permanent + margins.power;
   if (stage == filter_only) return filtered;
-  if (stage == fine_only)
-    return fine_power_test(s[0], s[1], s[2], s[3], s[4], fine_power_bound * permanent + margins.power);
+  if (stage == fine_only) return fine_power_test(s[0], s[1], s[2], s[3], s[4], bound);
   if (stage == exact_only) return exact_power_test(s[0], s[1], s[2], s[3], s[4]);
   return power_test(s[0], s[1], s[2], s[3], s[4], margins);
 }
@@ -113,7 +113,7 @@ int power_test_of(const PointArray& points, const FloatArray& weights, int stage
 int perturbed_power_test_of(const PointArray& points, const FloatArray& weights) {
   if (points.shape(0) != 5) throw std::invalid_argument("five points are needed");
   const std::vector<Site> s = gather(points, weights);
-  return perturbed_power_test(s[0], s[1], s[2], s[3], s[4], Margins::safe());
+  return perturbed_power_test(s[0], s[1], s[2], s[3], s[4], margins_for(s));
 }
 
 }  // namespace

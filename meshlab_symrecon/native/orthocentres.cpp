@@ -12,7 +12,9 @@ namespace symrecon {
 
 namespace {
 
-constexpr double accuracy = 1e-12;  // of the offset u, relative to its length
+// Accuracy asked of the offset u, relative to its length.
+constexpr double plain_accuracy = 1e-12;
+constexpr double fine_accuracy = 1e-16;  // what is left is the rounding of the quotient
 
 // Cramer's rule: u = numerator / (2 determinant).
 template <class Number>
@@ -51,8 +53,9 @@ Permanents permanents(const Arm<double>& b, const Arm<double>& c, const Arm<doub
 }
 
 // Numerators N and determinant D with errors at most r P_N and r P_D: the error of N / D is at most
-// (r P_N + |N| / |D| r P_D) / (|D| - r P_D). Asked for: `accuracy` times the length of N / D.
-bool accurate(double x, double y, double z, double determinant, const Permanents& scale, double roundings) {
+// (r P_N + |N| / |D| r P_D) / (|D| - r P_D). Asked for: `accuracy` times the length.
+bool accurate(double x, double y, double z, double determinant, const Permanents& scale, double roundings,
+              double accuracy) {
   const double size = std::fabs(determinant), numerator = std::max(std::fabs(x), std::max(std::fabs(y), std::fabs(z)));
   const double error = roundings * (scale.numerator + numerator / size * scale.determinant);
   return roundings * scale.determinant < 0.5 * size && 2.0 * error < accuracy * numerator && std::isfinite(error) &&
@@ -103,7 +106,7 @@ Point by_double_doubles(const Site& a, const Site& b, const Site& c, const Site&
   // lift 32, cross product 24, product and sums 24: 80 u^2 (predicates.hpp); 128 leaves room
   constexpr double roundings = 128 * unit_roundoff * unit_roundoff;
   const Quotient<DoubleDouble> u = cramer(fine_arm(a, b), fine_arm(a, c), fine_arm(a, d));
-  if (!accurate(u.x.high, u.y.high, u.z.high, u.determinant.high, scale, roundings)) return by_integers(a, b, c, d);
+  if (!accurate(u.x.high, u.y.high, u.z.high, u.determinant.high, scale, roundings, fine_accuracy)) return by_integers(a, b, c, d);
   const double half = 0.5 / u.determinant.high;
   return {a.x + u.x.high * half, a.y + u.y.high * half, a.z + u.z.high * half};
 }
@@ -121,7 +124,7 @@ Point orthocentre(const Site& a, const Site& b, const Site& c, const Site& d) {
                              std::fabs(d.weight - a.weight)};
   const Permanents scale = permanents(b_arm, c_arm, d_arm, weights);
   // lift 6, cross product 4, product 1, sums 2: 13 u (predicates.hpp); 16 leaves room
-  if (!accurate(u.x, u.y, u.z, u.determinant, scale, 16 * unit_roundoff))
+  if (!accurate(u.x, u.y, u.z, u.determinant, scale, 16 * unit_roundoff, plain_accuracy))
     return by_double_doubles(a, b, c, d, scale);
   const double half = 0.5 / u.determinant;
   return {a.x + u.x * half, a.y + u.y * half, a.z + u.z * half};

@@ -15,14 +15,15 @@
 //   lift x^2 + y^2 + z^2 - dw: 2 differences, square 1, three additions 3                              ->  6
 //   power test: minor xyz 8, lift 6, product 1, two additions 2                                        -> 17
 // so the orientation is off by at most ((1 + u)^8 - 1) P and the power test by ((1 + u)^17 - 1) P with the exact
-// permanent P. The computed permanent passes through as many roundings, hence P <= P' (1 + 18 u), and 10 u and 20 u
-// bound both effects and the rounding of the bound itself.
+// permanent P. The computed bounds P' of the permanents pass through fewer than 18 roundings, hence P <= P' (1 + 19 u),
+// and 10 u and 20 u bound both effects and the rounding of the bound itself. For the power test P' is 24 terms times the
+// largest |x|, |y|, |z| and lift: coarser than the permanent but half the work, and what it leaves undecided is rare.
 // In double-doubles the differences are exact; a product costs 8 u^2 and a sum 8 u^2 (double_double.hpp):
 //   minor xy 16, minor xyz 16 + 8 + 16 = 40, lift 8 + 24 = 32, power test 40 + 32 + 8 + 16 = 96 u^2, and 40 u^2 for
 // the orientation; 64 u^2 and 128 u^2 leave room for the permanent.
 // Underflow: one product may lose up to 2^-1074, multiplied later by at most a lift and a difference. Margins::safe
 // states the size of input for which the margins below cover all of them; larger input has infinite margins, so that
-// every sign comes from the integers. Overflow and NaN fail every comparison and end there too.
+// every sign comes from the integers. Input within the margins cannot overflow.
 #pragma once
 
 #include <cmath>
@@ -39,7 +40,7 @@ struct Margins {
   double orientation;
   double power;
 
-  // Differences at most 2^101, differences of weights at most 2^201: an underflow of 2^-1074 grows by at most
+  // Differences at most 2^101, differences of weights at most 2^202: an underflow of 2^-1074 grows by at most
   // 2^101 (orientation) or 2^101 * 2^204 (power), a hundred of them by 2^7 more.
   static Margins safe() { return {std::ldexp(1.0, -900), std::ldexp(1.0, -700)}; }
   static Margins never() {
@@ -54,12 +55,17 @@ constexpr double fine_orientation_bound = 64 * unit_roundoff * unit_roundoff;
 constexpr double fine_power_bound = 128 * unit_roundoff * unit_roundoff;
 
 inline int certified_sign(double value, double bound) {
-  if (value > bound) return 1;
-  if (value < -bound) return -1;
+  // one branch that is nearly always taken; the sign itself, hard to predict, needs none
+  if (std::fabs(value) > bound) return int(value > 0.0) - int(value < 0.0);
   return undecided;
 }
 
-// Stage 1. `permanent` is handed on to stage 2.
+inline double largest(double a, double b, double c, double d) {
+  const double ab = a > b ? a : b, cd = c > d ? c : d;
+  return ab > cd ? ab : cd;
+}
+
+// Stage 1. `permanent`, an upper bound of it, is handed on to stage 2.
 inline int filtered_orientation(const Site& a, const Site& b, const Site& c, const Site& d, double margin,
                                 double& permanent) {
   const double ax = a.x - d.x, ay = a.y - d.y, az = a.z - d.z;
@@ -79,22 +85,18 @@ inline int filtered_power_test(const Site& a, const Site& b, const Site& c, cons
   const double bx = b.x - e.x, by = b.y - e.y, bz = b.z - e.z, bw = b.weight - e.weight;
   const double cx = c.x - e.x, cy = c.y - e.y, cz = c.z - e.z, cw = c.weight - e.weight;
   const double dx = d.x - e.x, dy = d.y - e.y, dz = d.z - e.z, dw = d.weight - e.weight;
-  const double axby = ax * by, bxay = bx * ay, bxcy = bx * cy, cxby = cx * by, cxdy = cx * dy, dxcy = dx * cy;
-  const double dxay = dx * ay, axdy = ax * dy, axcy = ax * cy, cxay = cx * ay, bxdy = bx * dy, dxby = dx * by;
-  const double ab = axby - bxay, bc = bxcy - cxby, cd = cxdy - dxcy, da = dxay - axdy, ac = axcy - cxay,
-               bd = bxdy - dxby;
+  const double ab = ax * by - bx * ay, bc = bx * cy - cx * by, cd = cx * dy - dx * cy;
+  const double da = dx * ay - ax * dy, ac = ax * cy - cx * ay, bd = bx * dy - dx * by;
   const double a2 = ax * ax + ay * ay + az * az, b2 = bx * bx + by * by + bz * bz;
   const double c2 = cx * cx + cy * cy + cz * cz, d2 = dx * dx + dy * dy + dz * dz;
   const double determinant = ((a2 - aw) * (bz * cd - cz * bd + dz * bc) - (b2 - bw) * (cz * da + dz * ac + az * cd)) +
                              ((c2 - cw) * (dz * ab + az * bd + bz * da) - (d2 - dw) * (az * bc - bz * ac + cz * ab));
-  const double ab_ = std::fabs(axby) + std::fabs(bxay), bc_ = std::fabs(bxcy) + std::fabs(cxby);
-  const double cd_ = std::fabs(cxdy) + std::fabs(dxcy), da_ = std::fabs(dxay) + std::fabs(axdy);
-  const double ac_ = std::fabs(axcy) + std::fabs(cxay), bd_ = std::fabs(bxdy) + std::fabs(dxby);
-  const double az_ = std::fabs(az), bz_ = std::fabs(bz), cz_ = std::fabs(cz), dz_ = std::fabs(dz);
-  permanent = ((a2 + std::fabs(aw)) * (bz_ * cd_ + cz_ * bd_ + dz_ * bc_) +
-               (b2 + std::fabs(bw)) * (cz_ * da_ + dz_ * ac_ + az_ * cd_)) +
-              ((c2 + std::fabs(cw)) * (dz_ * ab_ + az_ * bd_ + bz_ * da_) +
-               (d2 + std::fabs(dw)) * (az_ * bc_ + bz_ * ac_ + cz_ * ab_));
+  const double x = largest(std::fabs(ax), std::fabs(bx), std::fabs(cx), std::fabs(dx));
+  const double y = largest(std::fabs(ay), std::fabs(by), std::fabs(cy), std::fabs(dy));
+  const double z = largest(std::fabs(az), std::fabs(bz), std::fabs(cz), std::fabs(dz));
+  const double lift =
+      largest(a2 + std::fabs(aw), b2 + std::fabs(bw), c2 + std::fabs(cw), d2 + std::fabs(dw));
+  permanent = 24.0 * (x * y) * (z * lift);
   return certified_sign(determinant, power_bound * permanent + margin);
 }
 

@@ -1,11 +1,11 @@
 #include "regular_triangulation.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "cell_complex.hpp"
 #include "predicates.hpp"
 #include "ridge_table.hpp"
+#include "scaling.hpp"
 #include "spatial_order.hpp"
 
 namespace symrecon {
@@ -13,7 +13,7 @@ namespace symrecon {
 namespace {
 
 constexpr std::int32_t insertions_per_report = 1 << 14;
-constexpr std::size_t expected_cells_per_site = 8;  // surface samples 7.2, their poles 8: a reservation, not a limit
+constexpr std::size_t expected_cells_per_site = 10;  // surface samples 8, their poles 9: a reservation, not a limit
 
 class Triangulator {
  public:
@@ -139,17 +139,21 @@ class Triangulator {
     for (std::size_t next = 0; next < cavity_.size(); ++next) {
       const std::int32_t index = cavity_[next];
       const Cell& cell = complex_[index];
+      if (next + 1 < cavity_.size()) complex_.announce_neighbours(cavity_[next + 1]);
+      // All tests before the first consequence: their outcomes are unpredictable, so that a branch after each would
+      // keep the processor from working on several at a time.
+      std::uint8_t verdicts[4];
+      for (int k = 0; k < 4; ++k) {
+        verdicts[k] = complex_.mark(cell.neighbour[k]);
+        if (verdicts[k] == CellComplex::unvisited)
+          verdicts[k] = in_conflict(cell.neighbour[k], site) ? CellComplex::in_cavity : CellComplex::outside_cavity;
+      }
       for (int k = 0; k < 4; ++k) {
         const std::int32_t other = cell.neighbour[k];
         std::uint8_t& mark = complex_.mark(other);
         if (mark == CellComplex::unvisited) {
-          if (in_conflict(other, site)) {
-            mark = CellComplex::in_cavity;
-            cavity_.push_back(other);
-          } else {
-            mark = CellComplex::outside_cavity;
-            visited_outside_.push_back(other);
-          }
+          mark = verdicts[k];
+          (mark == CellComplex::in_cavity ? cavity_ : visited_outside_).push_back(other);
         }
         if (mark == CellComplex::outside_cavity) {
           BoundaryFacet facet = {cell.vertex, k, other, complex_[other].place_of_neighbour(index)};
@@ -230,46 +234,6 @@ int find_simplex(const std::vector<Site>& sites, const Margins& margins, Four& s
   return std::max(rank, 0);
 }
 
-// Half the widest range of coordinates, or the root of a quarter of the range of the weights: overflow-free.
-double extent_of(const std::vector<Site>& sites) {
-  Site low = sites.front(), high = low;
-  for (const Site& site : sites) {
-    low = {std::min(low.x, site.x), std::min(low.y, site.y), std::min(low.z, site.z), std::min(low.weight, site.weight)};
-    high = {std::max(high.x, site.x), std::max(high.y, site.y), std::max(high.z, site.z),
-            std::max(high.weight, site.weight)};
-  }
-  const double sides[3] = {0.5 * high.x - 0.5 * low.x, 0.5 * high.y - 0.5 * low.y, 0.5 * high.z - 0.5 * low.z};
-  const double weights = std::sqrt(0.25 * high.weight - 0.25 * low.weight);
-  return std::max(std::max(sides[0], sides[1]), std::max(sides[2], weights));
-}
-
-bool rescale(std::vector<Site>& sites, int exponent) {
-  const auto exactly = [](double& value, int power) {
-    const double scaled = std::ldexp(value, power);
-    const bool exact = std::isfinite(scaled) && std::ldexp(scaled, -power) == value;
-    value = scaled;
-    return exact;
-  };
-  std::vector<Site> scaled = sites;
-  for (Site& site : scaled)
-    if (!(exactly(site.x, exponent) && exactly(site.y, exponent) && exactly(site.z, exponent) &&
-          exactly(site.weight, 2 * exponent)))
-      return false;
-  sites.swap(scaled);
-  return true;
-}
-
-// Bring sites of unusual size near 1 by a power of two, if that loses no bit; else only the integers decide.
-Margins normalise(std::vector<Site>& sites) {
-  constexpr int usual = 100;  // see Margins::safe
-  const double extent = extent_of(sites);
-  if (extent == 0.0) return Margins::safe();
-  int exponent;
-  std::frexp(extent, &exponent);
-  if (std::abs(exponent) < usual || rescale(sites, -exponent)) return Margins::safe();
-  return exponent > 0 ? Margins::never() : Margins::safe();
-}
-
 // Sites in order of insertion without those at a position that came before.
 struct Distinct {
   std::vector<Site> sites;
@@ -320,7 +284,7 @@ RegularTriangulation regular_triangulation(std::vector<Site> sites, const Progre
     site.z += 0.0;
   }
   const std::size_t total = sites.size();
-  const Margins margins = normalise(sites);
+  const Margins margins = bring_to_usual_size(sites);
   Distinct distinct = distinct_in_order(sites);
   std::vector<Site>().swap(sites);
   result.representative.swap(distinct.representative);

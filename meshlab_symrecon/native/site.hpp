@@ -3,7 +3,8 @@
 
 namespace symrecon {
 
-struct Site {
+// Aligned so that no site straddles two cache lines.
+struct alignas(32) Site {
   double x, y, z, weight;
 };
 
