@@ -140,9 +140,7 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
             edges = similarities[~np.eye(len(rows), dtype=bool)]
             np.fill_diagonal(similarities, self._preferences(edges, len(rows)))
             self._break_ties(similarities)
-            return propagate_dense(
-                similarities, self.damping, self.max_iter, self.convergence_iter
-            )
+            return propagate_dense(similarities, self.damping, self.max_iter, self.convergence_iter)
         similarities, targets = neighbour_graph(rows, self.n_neighbors)
         similarities[:, 0] = self._preferences(similarities[:, 1:], len(rows))
         self._break_ties(similarities)

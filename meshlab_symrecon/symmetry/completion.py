@@ -99,7 +99,9 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
         ``gap`` not positive, or ``blend`` negative.
     """
     if not (np.isfinite(gap) and gap > 0.0):
-        raise ParameterError(f"gap must be a positive multiple of the spacing; got {gap!r}; use 1.5")
+        raise ParameterError(
+            f"gap must be a positive multiple of the spacing; got {gap!r}; use 1.5"
+        )
     if not (np.isfinite(blend) and blend >= 0.0):
         raise ParameterError(f"blend must be 0 or a positive length; got {blend!r}; use 0.06")
     measured = as_points(points, minimum=2)
@@ -134,7 +136,9 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
 def _attribute(values: ArrayLike, count: int, what: str) -> Floats:
     rows = np.array(values)
     if rows.ndim == 0 or len(rows) != count:
-        message = f"{what} must have one row a point, {count}; got shape {rows.shape}; leave them out"
+        message = (
+            f"{what} must have one row a point, {count}; got shape {rows.shape}; leave them out"
+        )
         raise GeometryError(message)
     return rows
 
@@ -171,5 +175,7 @@ def _lean(
     weights = np.exp(-0.5 * (nearness / (0.3 * reach)) ** 2)
     weights /= weights.sum(axis=1, keepdims=True)
     fading = np.exp(-0.5 * (gaps[:, 0] / reach) ** 2)
-    moved: Points = images + fading[:, np.newaxis] * np.einsum("nk,nki->ni", weights, offsets[sources])
+    moved: Points = images + fading[:, np.newaxis] * np.einsum(
+        "nk,nki->ni", weights, offsets[sources]
+    )
     return moved

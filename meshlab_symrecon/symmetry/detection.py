@@ -225,16 +225,12 @@ def _exemplars(cloud: PreparedCloud, planes: Planes) -> tuple[Planes, bool]:
     similarities[similarities < -((LONGEST_EDGE * BANDWIDTH) ** 2)] = -np.inf
     likely = np.clip(votes / max(float(votes.max()), 1e-9), 0.0, 1.0)
     similarities[:, 0] = -PREFERENCE * BANDWIDTH**2 * (1.0 - 0.5 * likely)
-    found = propagate_sparse(
-        similarities, targets, DAMPING, MOST_ITERATIONS, CALM_ITERATIONS
-    )
+    found = propagate_sparse(similarities, targets, DAMPING, MOST_ITERATIONS, CALM_ITERATIONS)
     best = found.exemplars[np.argsort(-votes[found.exemplars], kind="stable")]
     return planes[best[:MOST_EXEMPLARS]], found.converged
 
 
-def _pass_stage(
-    cloud: PreparedCloud, planes: Planes, stage: _Stage
-) -> tuple[Planes, Evidence]:
+def _pass_stage(cloud: PreparedCloud, planes: Planes, stage: _Stage) -> tuple[Planes, Evidence]:
     """Refine planes, verify them, and keep the best that differ; best first."""
     queries = cloud.samples[: stage.queries]
     nearest: Lookup = cloud.field.closest if stage.exact else cloud.field.lookup

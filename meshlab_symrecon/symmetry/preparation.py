@@ -151,9 +151,7 @@ def _smooth_surface(dense: Points, places: Points) -> tuple[Points, Points, floa
     return places, normals, roughness
 
 
-def _orient(
-    points: Points, normals: Points, hints: Points | None
-) -> tuple[Points, Booleans]:
+def _orient(points: Points, normals: Points, hints: Points | None) -> tuple[Points, Booleans]:
     """Turn normals away from the centroid of their surroundings, or to the side of the hints."""
     if hints is not None:
         along = np.einsum("mi,mi->m", normals, hints)
