@@ -99,10 +99,10 @@ FILTER = Filter(
     summary="Fill what a scan lacks with mirror images of what it has.",
     description=(
         f"Reads the planes of the layer `{PLANES_LABEL}` (detected, moved or drawn by hand) and "
-        "mirrors the current layer's points across them where nothing was measured. Adds the layer "
-        f"`{LABEL}`: the measured points first, in their order, bit for bit, then the mirrored ones "
-        "with mirrored normals and copied colours. Vertex quality and the custom attribute "
-        "`mirrored` are 0 for measured points and 1 for mirrored ones.\n\n"
+        "mirrors the current layer's points across them where nothing was measured. Adds the "
+        f"layer `{LABEL}`: the measured points first, in their order, bit for bit, then the "
+        "mirrored ones with mirrored normals and copied colours. Vertex quality and the custom "
+        "attribute `mirrored` are 0 for measured points and 1 for mirrored ones.\n\n"
         "Returns the counts `measured` and `mirrored`."
     ),
     parameters=Parameters,

@@ -89,15 +89,15 @@ FILTER = Filter(
     menu_name="Detect Reflection Planes (AP)",
     python_name="generate_reflection_planes",
     aliases=("detect_reflection_planes",),
-    summary="Find the planes across which a scan is its own mirror image, even where parts are missing.",
+    summary="Find the planes across which an incomplete scan is its own mirror image.",
     description=(
         "Pairs of even samples vote for the planes that map one onto the other; affinity "
-        "propagation clusters the votes; every exemplar is refined on the dense cloud and verified, "
-        "with holes told from contradictions. The planes are added as the layer "
+        "propagation clusters the votes; every exemplar is refined on the dense cloud and "
+        "verified, with holes told from contradictions. The planes are added as the layer "
         f"`{LABEL}`: one rectangle a plane, best first, face quality = confidence. Move or redraw "
-        "them by hand if you like; *Mirror-Complete Points* reads what is there. When no plane can "
-        "be trusted there is no layer, and `planes` has the shape (0, 4). The current layer stays "
-        "the scan.\n\n"
+        "them by hand if you like; *Mirror-Complete Points* reads what is there. When no plane "
+        "can be trusted there is no layer, and `planes` has the shape (0, 4). The current layer "
+        "stays the scan.\n\n"
         "Returns `planes` (k, 4), rows (A, B, C, D) with unit normal and Ax + By + Cz + D = 0; "
         "`support`, the share of points with a mirror partner; `residual`, the RMS distance of "
         "partners in box diagonals; `confidence`, 0 to 1; `converged`."

@@ -70,7 +70,7 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
     in the sparse form need not be one of its neighbours. Nothing is re-elected within clusters.
     """
 
-    def __init__(  # noqa: PLR0913  # the interface of scikit-learn
+    def __init__(  # the interface of scikit-learn
         self,
         *,
         preference: float | ArrayLike | None = None,
@@ -89,7 +89,7 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         self.n_neighbors = n_neighbors
         self.random_state = random_state
 
-    def fit(self, X: ArrayLike, y: object = None) -> AffinityPropagation:  # noqa: ARG002
+    def fit(self, X: ArrayLike, y: object = None) -> AffinityPropagation:
         """Find exemplars among the rows of X.
 
         Parameters

@@ -14,7 +14,6 @@ from meshlab_symrecon.arrays import (
     Booleans,
     Floats,
     Indices,
-    Planes,
     Points,
     as_normals,
     as_planes,
