@@ -193,7 +193,7 @@ def verified_planes(
     candidates = vote(cloud, options.sample_count, MOST_CANDIDATES, rng)
     report(0.5, "clustering the votes")
     planes, converged = _exemplars(cloud, candidates.planes)
-    evidence = examine(planes, cloud, cloud.samples[:1], cloud.field.lookup, TOLERANCE)
+    evidence = examine(planes, cloud, 1, cloud.field.lookup, TOLERANCE)
     for number, stage in enumerate(CASCADE):
         report(0.7 + 0.1 * number, "refining and verifying planes")
         planes, evidence = _pass_stage(cloud, planes, stage)
@@ -211,8 +211,7 @@ def _exemplars(cloud: PreparedCloud, planes: Planes) -> tuple[Planes, bool]:
     The preference of a candidate is its support in a quick look, so that exemplars sit where the
     cloud confirms them.
     """
-    queries = cloud.samples[:QUICK_QUERIES]
-    quick = examine(planes, cloud, queries, cloud.field.lookup, QUICK_TOLERANCE)
+    quick = examine(planes, cloud, QUICK_QUERIES, cloud.field.lookup, QUICK_TOLERANCE)
     votes = quick.support - quick.contradiction
     order = np.argsort(-votes, kind="stable")
     places = embed_planes(planes[order], cloud.root_covariance)
@@ -242,7 +241,7 @@ def _pass_stage(
     mirrored = cloud.points[queries], cloud.normals[queries]
     schedule = Schedule(stage.steps, stage.first, max(stage.last, cloud.spacing))
     planes = refine_planes(planes, mirrored, surface, nearest, schedule)
-    evidence = examine(planes, cloud, queries, nearest, TOLERANCE)
+    evidence = examine(planes, cloud, stage.queries, nearest, TOLERANCE)
     kept = _distinct(planes, log_odds(evidence), stage.kept)
     return planes[kept], evidence.take(kept)
 

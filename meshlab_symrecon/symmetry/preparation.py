@@ -36,6 +36,7 @@ FIELD_CELL = 0.008  # edge of a cell of the nearest-point table
 FIELD_MARGIN = 0.12  # width of its rim
 FIELD_CELLS = 500_000
 ORIENTATION_RADIUS = 0.22  # of the ball whose centroid tells the inside from the outside
+LANDMARKS = 600  # even samples that stand for all
 CLEAR_ORIENTATION = 0.12  # of that radius: a smaller offset of the centroid tells nothing
 
 
@@ -98,6 +99,7 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
     tree = cKDTree(places)
     covariance = np.cov(places.T, bias=True)
     variances, vectors = np.linalg.eigh(covariance)
+    samples = farthest_point_order(places, sample_count)
     rims = cKDTree(places[border]).query(places)[0] if border.any() else np.inf
     return PreparedCloud(
         points=places,
@@ -105,7 +107,7 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
         oriented=oriented,
         border=border,
         border_distance=np.broadcast_to(rims, len(places)),
-        samples=farthest_point_order(places, sample_count),
+        samples=samples,
         root_covariance=(vectors * np.sqrt(np.maximum(variances, 0.0))) @ vectors.T,
         spacing=float(np.median(tree.query(places, k=2)[0][:, 1])),
         roughness=roughness,
@@ -159,7 +161,7 @@ def _orient(
         along = np.einsum("mi,mi->m", normals, hints)
         clear = np.abs(along) > 0.5 * np.linalg.norm(hints, axis=1)
     else:
-        landmarks = points[farthest_point_order(points, 600)]
+        landmarks = points[farthest_point_order(points, LANDMARKS)]
         squares = ((points**2).sum(axis=1)[:, np.newaxis] + (landmarks**2).sum(axis=1)) - (
             2.0 * points @ landmarks.T
         )

@@ -47,7 +47,7 @@ class Evidence:
 
 
 def examine(
-    planes: Planes, cloud: PreparedCloud, queries: Indices, nearest: Lookup, tolerance: float
+    planes: Planes, cloud: PreparedCloud, count: int, nearest: Lookup, tolerance: float
 ) -> Evidence:
     """Mirror query points across each plane and compare them with the cloud.
 
@@ -57,8 +57,8 @@ def examine(
         Planes in the coordinates of the prepared cloud.
     cloud : PreparedCloud
         The cloud.
-    queries : (q,) int
-        Points of the cloud that are mirrored.
+    count : int
+        Number of even samples that are mirrored.
     nearest : callable
         Finds nearest points of the cloud.
     tolerance : float
@@ -69,17 +69,18 @@ def examine(
     Evidence
         Rows in the order of the planes.
     """
-    size = max(1, CHUNK // max(1, len(queries)))
+    size = max(1, CHUNK // max(1, count))
     parts = [
-        _examine(planes[start : start + size], cloud, queries, nearest, tolerance)
+        _examine(planes[start : start + size], cloud, count, nearest, tolerance)
         for start in range(0, max(1, len(planes)), size)
     ]
     return Evidence(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def _examine(
-    planes: Planes, cloud: PreparedCloud, queries: Indices, nearest: Lookup, tolerance: float
+    planes: Planes, cloud: PreparedCloud, count: int, nearest: Lookup, tolerance: float
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    queries = cloud.samples[:count]
     points, directions = cloud.points[queries], cloud.normals[queries]
     normals = planes[:, :3]
     heights = normals @ points.T + planes[:, 3:]
