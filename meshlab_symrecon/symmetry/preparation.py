@@ -36,6 +36,9 @@ FIELD_CELL = 0.008  # edge of a cell of the nearest-point table
 FIELD_MARGIN = 0.12  # width of its rim
 FIELD_CELLS = 500_000
 ORIENTATION_RADIUS = 0.22  # of the ball whose centroid tells the inside from the outside
+COPLANAR = 0.015  # distance from a sample's tangent plane within which another one is coplanar
+COPLANAR_DIRECTION = np.cos(np.radians(10.0))
+MANY_COPLANAR = 1.5  # medians of the number of coplanar samples: from there distinctness falls
 LANDMARKS = 600  # even samples that stand for all
 CLEAR_ORIENTATION = 0.12  # of that radius: a smaller offset of the centroid tells nothing
 
@@ -50,6 +53,7 @@ class PreparedCloud:
     border: Booleans  # (m,)  on the rim of a hole
     border_distance: Floats  # (m,)  to the nearest rim, infinite without one
     samples: Indices  # (s,)  farthest-point order: each beginning is an even sample
+    distinctness: Floats  # (s,)  below 1 for a sample on an unusually large flat face
     root_covariance: Floats  # (3, 3)  square root of the covariance of the points
     spacing: float  # median distance to the nearest point
     roughness: float  # median deviation from the local planes: noise and bending
@@ -108,6 +112,7 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
         border=border,
         border_distance=np.broadcast_to(rims, len(places)),
         samples=samples,
+        distinctness=_distinctness(places[samples], directions[samples]),
         root_covariance=(vectors * np.sqrt(np.maximum(variances, 0.0))) @ vectors.T,
         spacing=float(np.median(tree.query(places, k=2)[0][:, 1])),
         roughness=roughness,
@@ -170,3 +175,14 @@ def _orient(
         along = -np.einsum("mi,mi->m", centroids - points, normals)
         clear = np.abs(along) > CLEAR_ORIENTATION * ORIENTATION_RADIUS
     return normals * np.where(along < 0.0, -1.0, 1.0)[:, np.newaxis], clear
+
+
+def _distinctness(points: Points, normals: Points) -> Floats:
+    """Weigh samples down where unusually many others lie in their tangent plane: on a plinth, say."""
+    places, directions = points[:LANDMARKS], normals[:LANDMARKS]
+    heights = np.einsum("si,si->s", points, normals)[:, np.newaxis] - normals @ places.T
+    coplanar = np.abs(heights) < COPLANAR
+    coplanar &= np.abs(normals @ directions.T) > COPLANAR_DIRECTION
+    counts = np.maximum(coplanar.sum(axis=1), 1)
+    weights: Floats = np.minimum(1.0, MANY_COPLANAR * np.median(counts) / counts)
+    return weights

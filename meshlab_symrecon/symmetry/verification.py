@@ -32,7 +32,7 @@ class Evidence:
     support: Floats  # (k,)  share of the queries whose mirror image lies on the surface
     agreement: Floats  # (k,)  the same share of the queries that no hole excuses
     coverage: Floats  # (k,)  weight of those that no hole excuses, of the number of queries
-    contradiction: Floats  # (k,)  share that lies far off the surface without a hole to explain it
+    contradiction: Floats  # (k,)  share that lies far off the surface, no hole to explain it
     residual: Floats  # (k,)  RMS distance of partners from the tangent plane, in diagonals
 
     def take(self, rows: Indices) -> Evidence:
@@ -112,6 +112,6 @@ def _examine(
         matched / total,
         matched / np.maximum(judged, TINY),
         judged / len(queries),
-        (weights * far).sum(axis=1) / total,
+        (weights * far) @ cloud.distinctness[:count] / total,
         np.sqrt((worth * off_squares).sum(axis=1) / np.maximum(matched, TINY)),
     )
