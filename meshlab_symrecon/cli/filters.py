@@ -84,7 +84,9 @@ def _page(item: Any) -> str:
         )
         for parameter in item.parameters
     ]
-    return "\n".join([item.menu_name, f"{item.python_name} (MeshLab's own)", "", *lines])
+    return "\n".join(
+        [item.menu_name, f"{item.python_name} (MeshLab's own)", "", *(lines or ["No parameters."])]
+    )
 
 
 def _print_table(listed: Iterable[Any]) -> None:

@@ -22,6 +22,7 @@ COMPLETE = "generate_mirror_completed_points"
 CLOSE = "generate_surface_reconstruction_power_crust"
 SHARES = {"compute_normal_for_point_clouds": 0.05, DETECT: 0.4, COMPLETE: 0.05, CLOSE: 0.5}
 PICTURES = ("png", "pdf", "svg", "jpg")
+SEED = "randomseed"
 SEED_LIMIT = 2**31 - 1
 
 
@@ -168,7 +169,7 @@ def _runner(
     mesh_set: Any, seed: int, progress: Callable[[float, str], None]
 ) -> Callable[[str, str], Mapping[str, Any]]:
     """Return a function that runs one filter with its defaults and the seed."""
-    from meshlab_symrecon.host.registration import apply_filter, registry
+    from meshlab_symrecon.host.registration import apply_filter
 
     done = 0.0
 
@@ -176,18 +177,31 @@ def _runner(
         nonlocal done
         start, share = done, SHARES[name]
         progress(start, title)
-        declared = registry().find(name).parameters.declared() if name in registry() else ()
-        seeded = any(parameter.name == "randomseed" for parameter in declared)
         measures = apply_filter(
             mesh_set,
             name,
             progress=lambda fraction, _: progress(start + share * fraction, title),
-            **({"randomseed": seed} if seeded else {}),
+            **_seeded(name, seed),
         )
         done = start + share
         return measures
 
     return run
+
+
+def _seeded(name: str, seed: int) -> dict[str, int]:
+    """Return the seed as a parameter of a filter that declares one."""
+    from meshlab_symrecon.host.registration import registry
+
+    declared = registry().find(name).parameters.declared() if name in registry() else ()
+    return {SEED: seed} if SEED in (parameter.name for parameter in declared) else {}
+
+
+def _bound(name: str, seed: int) -> Mapping[str, Any]:
+    """Return every parameter of one of our filters as it ran."""
+    from meshlab_symrecon.host.registration import registry
+
+    return registry().find(name).bind(_seeded(name, seed)).values()
 
 
 def _newest(mesh_set: Any) -> int:
@@ -257,7 +271,6 @@ def as_data(
     from importlib.metadata import version
 
     from meshlab_symrecon.cli.reports import detection
-    from meshlab_symrecon.host.registration import registry
 
     completed = dict(result.completed)
     return {
@@ -271,8 +284,8 @@ def as_data(
         "output": str(outputs.surface),
         "project": None if outputs.project is None else str(outputs.project),
         "parameters": {
-            "randomseed": seed,
-            **{name: registry().find(name).bind({}).values() for name in (DETECT, COMPLETE, CLOSE)},
+            SEED: seed,
+            **{name: _bound(name, seed) for name in (DETECT, COMPLETE, CLOSE)},
         },
         "versions": {"meshlab_symrecon": __version__, "pymeshlab": version("pymeshlab")},
     }

@@ -44,18 +44,16 @@ WRITABLE: dict[str, tuple[str, ...]] = {
     "xyz": ("vertex_normal",),
     "3ds": (),
     "3mf": (),
-    "ctm": ("vertex_color", "vertex_quality"),
     "dae": ("vertex_normal", "vertex_color"),
     "dxf": (),
     "e57": (),
-    "idtf": (),
-    "json": ("vertex_normal", "vertex_color"),
-    "u3d": ("vertex_color", "face_color"),
     "wrl": ("vertex_color",),
     "x3d": ("vertex_normal", "vertex_color", "face_color"),
 }  # extension: what the format can hold beside points and faces, and what MeshLab may leave out
 PROJECT = "mlp"
-FACES_ONLY = ("stl", "3ds", "dxf")  # points outside faces are lost in these
+FACES_ONLY = ("stl", "3ds", "dxf", "wrl")  # points outside faces are lost in these
+POINTS_ONLY = ("xyz", "e57")
+UNREPORTED = ("xyz", "3mf", "dae", "e57", "wrl", "x3d")  # exporters that hide a full disk
 
 
 def new_document() -> Any:
@@ -275,7 +273,7 @@ def _write(mesh_set: Any, identifier: int, path: Path, staged: Path) -> None:
     """Write one layer to ``staged``; ``path`` is what messages call it."""
     extension = path.suffix.removeprefix(".").lower()
     layer = read_layer(mesh_set, identifier)
-    _warn_of_losses(layer, path, extension)
+    _check_losses(layer, path, extension)
     source, number = mesh_set, identifier
     if not np.array_equal(mesh_set.mesh(identifier).transform_matrix(), np.eye(4)):
         source = new_document()  # MeshLab's exporters drop the matrix
@@ -297,12 +295,33 @@ def _write(mesh_set: Any, identifier: int, path: Path, staged: Path) -> None:
         raise FileError(f"{error}; check free space and the format") from error
     finally:
         source.set_current_mesh(before)
+    _check_whole(layer, path, extension, staged)
 
 
-def _warn_of_losses(layer: Layer, path: Path, extension: str) -> None:
+def _check_losses(layer: Layer, path: Path, extension: str) -> None:
     lost = len(layer.points) - len(np.unique(layer.faces))
-    if extension in FACES_ONLY and lost:
-        warn_user(
-            f"{path}: {lost} points belong to no face, and .{extension} holds faces only; "
-            "write .ply to keep them"
-        )
+    if extension not in FACES_ONLY or lost == 0:
+        return
+    words = f"{path}: .{extension} holds faces only, and {lost} points belong to no face"
+    if len(layer.faces) == 0:
+        raise FileError(f"{words}; write .ply instead")
+    warn_user(f"{words}, so they were left out; write .ply to keep them")
+
+
+def _check_whole(layer: Layer, path: Path, extension: str, staged: Path) -> None:
+    """Read back what an exporter wrote that does not tell when the disk was full."""
+    if extension not in UNREPORTED:
+        return
+    written = new_document()
+    try:
+        with translated(f"{path} cannot be written"):
+            written.load_new_mesh(str(staged))
+        counts = [(mesh.vertex_number(), mesh.face_number()) for mesh in written]
+    except HostError:
+        counts = []
+    faces = 0 if extension in POINTS_ONLY else len(layer.faces)
+    points_read, faces_read = (sum(column) for column in zip((0, 0), *counts, strict=True))
+    fewest = len(np.unique(layer.faces)) if len(layer.faces) and faces else len(layer.points)
+    if points_read < fewest or faces_read != faces:
+        message = f"{path} cannot be written: the exporter did not finish; check free space"
+        raise FileError(message)

@@ -1,0 +1,437 @@
+"""Files that are read and written: the zoo of bad ones, and what comes back of good ones."""
+
+from __future__ import annotations
+
+import os
+import struct
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pymeshlab
+import pytest
+
+from meshlab_symrecon.arrays import as_points
+from meshlab_symrecon.errors import FileError, SymReconError, SymReconWarning
+from meshlab_symrecon.host import files, inspection
+from meshlab_symrecon.host.atomic import replacing, same_file
+from meshlab_symrecon.host.files import (
+    READABLE,
+    WRITABLE,
+    check_output,
+    load,
+    new_document,
+    save_current,
+    save_project,
+)
+from meshlab_symrecon.host.meshset import add_layer, read_layer
+from meshlab_symrecon.plugin import Layer
+
+HEADER = """ply
+format {form} 1.0
+comment made by hand
+element vertex {vertices}
+property float x
+property float y
+property float z
+element face {faces}
+property list uchar int vertex_indices
+end_header
+"""
+THREE = "0 0 0\n1 0 0\n0 1 0\n"
+TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+
+
+def ply(form: str = "ascii", vertices: object = 3, faces: object = 0) -> str:
+    return HEADER.format(form=form, vertices=vertices, faces=faces)
+
+
+def cloud(count: int = 40, seed: int = 0) -> Layer:
+    """Return a cloud with everything that a cloud can have, numbers of full length."""
+    generator = np.random.default_rng(seed)
+    directions = generator.normal(size=(count, 3))
+    return Layer(
+        points=generator.normal(size=(count, 3)) * 1e5,
+        faces=np.zeros((0, 3), dtype=np.int64),
+        label="cloud",
+        normals=directions / np.linalg.norm(directions, axis=1, keepdims=True),
+        colours=np.round(generator.random((count, 4)) * 255) / 255,
+        quality=generator.normal(size=count),
+    )
+
+
+def solid() -> Layer:
+    points = np.random.default_rng(1).normal(size=(4, 3))
+    return Layer(points, TETRAHEDRON, "solid", quality=np.arange(4.0), face_quality=np.ones(4))
+
+
+def document(*layers: Layer):
+    mesh_set = new_document()
+    for layer in layers:
+        add_layer(mesh_set, layer, current=True)
+    return mesh_set
+
+
+BAD = {
+    "empty.ply": (b"", "is empty"),
+    "words.ply": (b"hello\n", "does not start with the word 'ply'"),
+    "headless.ply": (b"ply\nformat ascii 1.0\nelement vertex 3\n", "its header has no end"),
+    "formless.ply": (b"ply\nelement vertex 1\nend_header\n", "names no format"),
+    "form.ply": (ply("middle_endian").encode(), "the line 'format middle_endian 1.0'"),
+    "count.ply": (ply(vertices="many").encode(), "the line 'element vertex many'"),
+    "negative.ply": (ply(vertices=-1).encode(), "the line 'element vertex -1'"),
+    "type.ply": (ply().replace("float x", "quad x").encode(), "the line 'property quad x'"),
+    "orphan.ply": (b"ply\nformat ascii 1.0\nproperty int x\nend_header\n", "'property int x'"),
+    "short.ply": (b"ply\nformat ascii 1.0\nelement\nend_header\n", "the line 'element'"),
+    "faces.ply": (b"ply\nformat ascii 1.0\nelement face 0\nend_header\n", "no vertices with x"),
+    "plane.ply": (ply().replace("float z", "float w").encode(), "no vertices with x"),
+    "none.ply": (ply(vertices=0).encode(), "holds no points"),
+    "cut.ply": ((ply(vertices=4) + THREE).encode(), "at least 12 numbers of data, and 9 follow"),
+    "cut2.ply": (
+        ply("binary_little_endian", 3).encode() + b"\0" * 35,
+        "at least 36 bytes of data, and 35 follow",
+    ),
+    "huge.ply": (ply("binary_big_endian", 10**15).encode(), "bytes of data, and 0 follow"),
+    "index.ply": ((ply(faces=1) + THREE + "3 0 1 7\n").encode(), "Bad vertex index in face"),
+    "index.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "the corner '4', and there are 3"),
+    "zero.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "the corner '0'"),
+    "back.obj": (b"v 0 0 0\nv 1 0 0\nf -1 -2 -3\nv 0 1 0\n", "the corner '-3', and there are 2"),
+    "normal.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//9 2//9 3//9\n", "//9', and there are 3"),
+    "texture.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/2 2/1 3/1\n", "the corner '1/2'"),
+    "slashes.obj": (b"v 0 0 0\nf 1/1/1/1\n", "the corner '1/1/1/1'"),
+    "word.obj": (b"v 0 0 0\nf a b c\n", "a face has the corner"),
+    "none.obj": (b"# nothing\n", "holds no points"),
+    "cut.stl": (b"\0" * 80 + struct.pack("<I", 2) + b"\0" * 99, "announces 2 triangles"),
+    "tiny.stl": (b"abc", "cannot hold"),
+    "words.off": (b"hello\n", "cannot be read"),
+    "words.xyz": (b"hello\n", "holds no points"),
+    "crash.fbx": (b"x", "MeshLab's reader crashes on it"),
+    "nan.xyz": (b"nan nan nan\n", "holds no points"),
+    "scan.jpg": (b"x", "extension '.jpg', which cannot be read; known are ply, obj"),
+    "scan": (b"x", "has no extension"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_files_are_refused_in_one_sentence(tmp_path, name):
+    content, words = BAD[name]
+    path = tmp_path / name
+    path.write_bytes(content)
+    mesh_set = document(cloud())
+    with pytest.raises(FileError) as caught:
+        load(path, mesh_set)
+    message = str(caught.value)
+    assert words in message
+    assert message.startswith(str(path))
+    assert "\n" not in message
+    assert [mesh.label() for mesh in mesh_set] == ["cloud"] or name.startswith(("words", "nan"))
+
+
+def test_paths_that_are_no_files(tmp_path):
+    for path, words in (
+        (tmp_path / "none.ply", "no such file"),
+        (tmp_path, "is not an ordinary file"),
+        (Path("a\0b.ply"), "cannot be read"),
+    ):
+        with pytest.raises(FileError, match=words):
+            load(path)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
+def test_a_file_without_permission(tmp_path):
+    path = tmp_path / "a.ply"
+    path.write_text(ply() + THREE)
+    path.chmod(0)
+    with pytest.raises(FileError, match="Permission denied"):
+        load(path)
+
+
+@pytest.mark.parametrize("length", range(0, 500, 7))
+def test_every_cut_of_a_binary_mesh_is_an_error_and_no_crash(tmp_path, length):
+    whole = tmp_path / "whole.ply"
+    save_current(document(solid()), whole)
+    content = whole.read_bytes()
+    assert len(content) > 500
+    path = tmp_path / "cut.ply"
+    path.write_bytes(content[:length])
+    with pytest.raises(FileError):
+        load(path)
+
+
+def test_good_files_of_every_kind_pass(tmp_path):
+    contents = {
+        "crlf.ply": (ply() + THREE).replace("\n", "\r\n"),
+        "one line.ply": ply() + THREE.replace("\n", " "),
+        "back.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf -3//-1 -2//-1 \\\n -1//-1 # c\n",
+        "plain.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n",
+        "a.off": "OFF\n3 1 0\n" + THREE + "3 0 1 2\n",
+        "a.xyz": THREE,
+        "words.stl": "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+        "vertex 0 1 0\nendloop\nendfacet\nendsolid a\n",
+        "größe und\tweite.PLY": ply() + THREE,
+    }
+    for name, content in contents.items():
+        path = tmp_path / name
+        path.write_text(content, newline="")
+        mesh_set = load(path)
+        assert mesh_set.current_mesh().vertex_number() == 3, name
+
+
+def test_words_are_counted_across_chunks(tmp_path, monkeypatch):
+    path = tmp_path / "a.ply"
+    path.write_text(ply(vertices=5) + "12 -3.5 4e5\n" * 5)
+    for size in range(1, 20):
+        monkeypatch.setattr(inspection, "CHUNK", size)
+        assert inspection.check_ply(path) == 5
+    path.write_text(ply(vertices=6) + "12 -3.5 4e5\n" * 5)
+    for size in range(1, 20):
+        monkeypatch.setattr(inspection, "CHUNK", size)
+        with pytest.raises(FileError, match="18 numbers of data, and 15 follow"):
+            inspection.check_ply(path)
+
+
+def test_points_that_are_not_numbers_are_reported(tmp_path):
+    points = np.random.default_rng(0).normal(size=(20, 3)).astype("<f4")
+    points[[3, 17], [0, 2]] = [np.nan, np.inf]
+    path = tmp_path / "a.ply"
+    path.write_bytes(ply("binary_little_endian", 20).encode() + points.tobytes())
+    with pytest.warns(SymReconWarning, match=r"2 of 20 points have coordinates"):
+        mesh_set = load(path)
+    kept = read_layer(mesh_set, mesh_set.current_mesh_id()).points
+    assert np.array_equal(as_points(kept), points[np.isfinite(points).all(axis=1)])
+
+
+def test_files_go_into_a_document_in_order(tmp_path):
+    save_current(document(cloud()), tmp_path / "a.ply")
+    save_current(document(solid()), tmp_path / "b.obj")
+    mesh_set = load(tmp_path / "a.ply")
+    assert load(tmp_path / "b.obj", mesh_set) is mesh_set
+    assert [mesh.label() for mesh in mesh_set] == ["a.ply", "b.obj"]
+    assert mesh_set.current_mesh().face_number() == 4
+
+
+@pytest.mark.parametrize("layer", [cloud(), solid()], ids=["cloud", "solid"])
+def test_a_ply_keeps_everything(tmp_path, layer):
+    path = tmp_path / "größe 1.ply"
+    save_current(document(layer), path)
+    mesh_set = load(path)
+    back = read_layer(mesh_set, mesh_set.current_mesh_id())
+    assert np.array_equal(back.points, layer.points)
+    assert np.array_equal(back.faces, layer.faces)
+    for name in ("quality", "face_quality", "colours"):
+        before, after = getattr(layer, name), getattr(back, name)
+        assert (before is None and after is None) or np.array_equal(before, after), name
+    if layer.normals is not None:
+        assert np.array_equal(back.normals, layer.normals)
+
+
+def test_absent_attributes_are_not_written(tmp_path):
+    path = tmp_path / "a.ply"
+    save_current(document(Layer(cloud().points, np.zeros((0, 3), dtype=np.int64))), path)
+    header = path.read_bytes().partition(b"end_header")[0].decode()
+    declared = [line.split()[-1] for line in header.splitlines() if line.startswith("property")]
+    assert declared == ["x", "y", "z", "vertex_indices"]
+
+
+@pytest.mark.parametrize("extension", WRITABLE)
+def test_every_known_format_is_written_whole(tmp_path, extension):
+    path = tmp_path / f"a.{extension}"
+    save_current(document(solid()), path)
+    assert path.stat().st_size > 0
+    assert [file for file in tmp_path.iterdir() if file.name.startswith(".")] == []
+    if extension in READABLE:
+        mesh_set = load(path)
+        mesh = mesh_set.current_mesh()
+        assert mesh.vertex_number() == 4
+        assert mesh.face_number() == (0 if extension in files.POINTS_ONLY else 4)
+
+
+@pytest.mark.parametrize("extension", files.FACES_ONLY)
+def test_formats_of_faces_refuse_clouds(tmp_path, extension):
+    path = tmp_path / f"a.{extension}"
+    with pytest.raises(FileError, match="holds faces only, and 40 points belong to no face"):
+        save_current(document(cloud()), path)
+    assert list(tmp_path.iterdir()) == []
+    loose = Layer(np.vstack([solid().points, [[9.0, 9.0, 9.0]]]), TETRAHEDRON)
+    with pytest.warns(SymReconWarning, match="1 points belong to no face, so they were left out"):
+        save_current(document(loose), path)
+
+
+def test_a_transform_is_written_into_the_coordinates(tmp_path):
+    mesh_set = document(solid(), cloud())
+    matrix = np.array([[0.0, -2, 0, 1e5], [2, 0, 0, 7], [0, 0, 2, -3], [0, 0, 0, 1]])
+    mesh_set.set_matrix(transformmatrix=matrix, freeze=False)
+    world = read_layer(mesh_set, 1)
+    save_current(mesh_set, tmp_path / "a.ply")
+    back = load(tmp_path / "a.ply")
+    assert np.array_equal(read_layer(back, 0).points, world.points)
+    assert np.array_equal(mesh_set.current_mesh().transform_matrix(), matrix)
+    assert mesh_set.mesh_number() == 2
+
+
+def test_saving_leaves_the_document_as_it_was(tmp_path):
+    mesh_set = document(cloud(), solid())
+    mesh_set.set_current_mesh(0)
+    save_current(mesh_set, tmp_path / "a.ply")
+    save_project(mesh_set, tmp_path / "p.mlp")
+    assert mesh_set.current_mesh_id() == 0
+    assert [mesh.label() for mesh in mesh_set] == ["cloud", "solid"]
+    assert np.array_equal(read_layer(mesh_set, 0).points, cloud().points)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("a.abc", "extension '.abc', which cannot be written; known are ply, obj"),
+        ("a", "no extension"),
+        ("none/a.ply", "no directory is at"),
+        ("folder.ply", "is not an ordinary file"),
+        ("in.ply", "would overwrite"),
+        ("./../{here}/in.ply", "would overwrite"),
+        ("link.ply", "would overwrite"),
+        ("a\0.ply", "cannot be written"),
+    ],
+)
+def test_outputs_are_refused_before_any_work(tmp_path, name, words):
+    (tmp_path / "folder.ply").mkdir()
+    (tmp_path / "in.ply").write_text("scan")
+    (tmp_path / "link.ply").symlink_to("in.ply")
+    path = tmp_path / name.format(here=tmp_path.name)
+    with pytest.raises(FileError, match=words):
+        check_output(path, [tmp_path / "other.ply", tmp_path / "in.ply"])
+    assert (tmp_path / "in.ply").read_text() == "scan"
+
+
+def test_devices_are_refused():
+    with pytest.raises(FileError, match="is not an ordinary file"):
+        check_output("/dev/null", known=())
+
+
+def test_an_empty_document_cannot_be_saved(tmp_path):
+    with pytest.raises(FileError, match="the document is empty"):
+        save_current(new_document(), tmp_path / "a.ply")
+
+
+def test_a_link_is_written_through(tmp_path):
+    (tmp_path / "there").mkdir()
+    target = tmp_path / "there" / "a.ply"
+    target.write_text("old")
+    link = tmp_path / "b.ply"
+    link.symlink_to(target)
+    save_current(document(solid()), link)
+    assert link.is_symlink()
+    mesh_set = load(target)
+    assert mesh_set.current_mesh().face_number() == 4
+
+
+def interrupted(path: Path, error: BaseException) -> None:
+    with replacing(path) as staged:
+        staged.write_text("half")
+        raise error
+
+
+def test_an_interrupted_write_leaves_the_old_file(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    full = OSError(28, "No space left on device")
+    for error, raised in (
+        (KeyboardInterrupt(), KeyboardInterrupt),
+        (RuntimeError(), RuntimeError),
+        (full, FileError),
+    ):
+        with pytest.raises(raised):
+            interrupted(path, error)
+    with pytest.raises(FileError, match="the writer made no file"), replacing(path):
+        pass
+    assert path.read_text() == "old"
+    assert [file.name for file in tmp_path.iterdir()] == ["a.txt"]
+
+
+def test_files_beside_the_named_one_come_along(tmp_path):
+    with replacing(tmp_path / "a.obj") as staged:
+        (staged.parent / "a.obj.mtl").write_text("material")
+        staged.write_text("mesh")
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {
+        "a.obj": "mesh",
+        "a.obj.mtl": "material",
+    }
+
+
+def test_names_of_one_file_are_recognised(tmp_path):
+    here = tmp_path / "a.ply"
+    assert same_file(here, tmp_path / "b" / ".." / "a.ply")
+    assert not same_file(here, tmp_path / "b.ply")
+
+
+FULL = """
+import resource, sys
+from meshlab_symrecon.errors import FileError
+from meshlab_symrecon.host.files import load, save_current
+mesh_set = load(sys.argv[1])
+resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+try:
+    save_current(mesh_set, sys.argv[2])
+except FileError as error:
+    sys.stdout.write(str(error))
+"""
+
+
+@pytest.mark.parametrize("extension", ["ply", "obj", "off", "stl", "xyz", "dae", "x3d"])
+def test_a_full_disk_leaves_the_old_file(tmp_path, extension):
+    """A limit on the size of files stands in for the disk."""
+    mesh_set = new_document()
+    mesh_set.create_sphere(subdiv=3)
+    save_current(mesh_set, tmp_path / "in.ply")
+    target = tmp_path / f"out.{extension}"
+    target.write_text("old")
+    ended = subprocess.run(
+        [sys.executable, "-c", FULL, tmp_path / "in.ply", target], capture_output=True, text=True
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert "cannot be written" in ended.stdout
+    assert target.read_text() == "old"
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["in.ply", target.name]
+
+
+def test_a_project_keeps_every_layer(tmp_path):
+    other = solid()
+    mesh_set = document(cloud(), other)
+    mesh_set.mesh(1).set_label("a/b: <c> & größe")
+    add_layer(mesh_set, Layer(other.points, other.faces, "A B c größe"), current=True)
+    add_layer(mesh_set, Layer(other.points, other.faces, "a b c größe"), current=True)
+    path = tmp_path / "the statue.mlp"
+    save_project(mesh_set, path, labels={0: "scan"})
+    names = [
+        element.get("filename") for element in ElementTree.parse(path).getroot().iter("MLMesh")
+    ]
+    assert len(set(names)) == 4
+    assert names[0] == "the statue-scan.ply"
+    assert sorted(file.name for file in tmp_path.iterdir()) == sorted([path.name, *names])
+    back = pymeshlab.MeshSet(verbose=False)
+    back.load_project(str(path))
+    assert [mesh.label() for mesh in back] == [
+        "scan", "a/b: <c> & größe", "A B c größe", "a b c größe",
+    ]  # fmt: skip
+    for identifier in range(4):
+        before, after = read_layer(mesh_set, identifier), read_layer(back, identifier)
+        assert np.array_equal(before.points, after.points)
+        assert np.array_equal(before.faces, after.faces)
+
+
+def test_a_project_spares_the_inputs(tmp_path):
+    (tmp_path / "p-cloud.ply").write_text("scan")
+    with pytest.raises(FileError, match="would overwrite"):
+        save_project(document(cloud()), tmp_path / "p.mlp", inputs=[tmp_path / "p-cloud.ply"])
+    assert (tmp_path / "p-cloud.ply").read_text() == "scan"
+    with pytest.raises(
+        FileError, match=r"extension '.ply', which cannot be written; known are mlp"
+    ):
+        save_project(document(cloud()), tmp_path / "p.ply")
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_errors_of_files_are_ours():
+    assert issubclass(FileError, SymReconError)
+    assert issubclass(FileError, OSError)
