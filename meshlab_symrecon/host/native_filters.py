@@ -148,7 +148,7 @@ def apply_native(mesh_set: Any, name: str, values: Mapping[str, object]) -> dict
         parameter = item.find(given)
         arguments[parameter.name] = checked_value(parameter, value)
     check_step(mesh_set, item, arguments)
-    skipped = reason_to_skip(mesh_set, item.python_name)
+    skipped = reason_to_skip(mesh_set, item)
     if skipped:
         warn_user(f"'{item.menu_name}' was skipped: {skipped}")
         return {}
