@@ -46,6 +46,27 @@ def box_lattice(steps: int) -> np.ndarray:
     return grid[((grid == 0) | (grid == steps)).any(axis=1)]
 
 
+def statue(count: int, seed: int = 0, missing: float = 0.25) -> np.ndarray:
+    """Points of a bumpy body with the mirror plane x = 0, one side of it broken off.
+
+    The bumps come in mirrored pairs of random places and sizes, so no other symmetry is left.
+    """
+    rng = np.random.default_rng(seed)
+    sphere = rng.normal(size=(4 * count, 3))
+    sphere /= np.linalg.norm(sphere, axis=1, keepdims=True)
+    radius = np.ones(len(sphere))
+    for _ in range(9):
+        centre = rng.normal(size=3)
+        centre /= np.linalg.norm(centre)
+        width, height = rng.uniform(0.15, 0.45), rng.uniform(-0.15, 0.5)
+        for side in (centre, centre * [-1, 1, 1]):
+            radius += height * np.exp(-(((sphere - side) / width) ** 2).sum(axis=1))
+    points = sphere * radius[:, None] * [0.7, 1.3, 1.0]
+    cut = points @ [1.0, 0.35, 0.2]
+    whole = points[cut <= np.quantile(cut, 1.0 - missing)]
+    return whole[:count]
+
+
 def rotation(seed: int) -> np.ndarray:
     """A random proper rotation."""
     q, r = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))

@@ -16,6 +16,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from meshlab_symrecon.arrays import Floats, Indices
 from meshlab_symrecon.clustering.messages import Propagation, propagate_dense, propagate_sparse
 from meshlab_symrecon.clustering.neighbour_graph import (
+    best_members,
     dense_similarities,
     nearest_exemplars,
     neighbour_graph,
@@ -66,8 +67,9 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
 
     Notes
     -----
-    Deviation from the paper: after message passing every point belongs to its nearest exemplar, which
-    in the sparse form need not be one of its neighbours. Nothing is re-elected within clusters.
+    After message passing every point belongs to its nearest exemplar, which in the sparse form need not
+    be one of its neighbours; then, as in scikit-learn but not in the paper, each cluster elects the
+    member with the largest sum of similarities, its preference included.
     """
 
     def __init__(  # noqa: PLR0913  # the interface of scikit-learn
@@ -111,17 +113,18 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         """
         rows: Floats = validate_data(self, X, dtype=np.float64)
         self._check_parameters(len(rows))
-        found = self._propagate(rows)
+        found, preferences = self._propagate(rows)
         if not found.converged:
             message = (
                 f"affinity propagation has not converged after {found.iterations} iterations; "
                 "raise damping or max_iter"
             )
             warnings.warn(message, ConvergenceWarning, stacklevel=2)
-        self.cluster_centers_indices_ = found.exemplars
-        self.cluster_centers_ = rows[found.exemplars]
+        found_exemplars = best_members(rows, preferences, found.exemplars)
+        self.cluster_centers_indices_ = found_exemplars
+        self.cluster_centers_ = rows[found_exemplars]
         self.labels_ = nearest_exemplars(rows, self.cluster_centers_)
-        self.labels_[found.exemplars] = np.arange(len(found.exemplars))
+        self.labels_[found_exemplars] = np.arange(len(found_exemplars))
         self.converged_ = found.converged
         self.n_iter_ = found.iterations
         return self
@@ -132,23 +135,27 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         rows = validate_data(self, X, dtype=np.float64, reset=False)
         return nearest_exemplars(rows, self.cluster_centers_)
 
-    def _propagate(self, rows: Floats) -> Propagation:
+    def _propagate(self, rows: Floats) -> tuple[Propagation, Floats]:
         if len(rows) == 1:
-            return Propagation(np.zeros(1, dtype=np.int64), True, 0)
+            return Propagation(np.zeros(1, dtype=np.int64), True, 0), np.zeros(1)
         if self.n_neighbors is None:
             similarities = dense_similarities(rows)
             edges = similarities[~np.eye(len(rows), dtype=bool)]
-            np.fill_diagonal(similarities, self._preferences(edges, len(rows)))
+            preferences = self._preferences(edges, len(rows))
+            np.fill_diagonal(similarities, preferences)
             self._break_ties(similarities)
-            return propagate_dense(
+            found = propagate_dense(
                 similarities, self.damping, self.max_iter, self.convergence_iter
             )
+            return found, preferences
         similarities, targets = neighbour_graph(rows, self.n_neighbors)
-        similarities[:, 0] = self._preferences(similarities[:, 1:], len(rows))
+        preferences = self._preferences(similarities[:, 1:], len(rows))
+        similarities[:, 0] = preferences
         self._break_ties(similarities)
-        return propagate_sparse(
+        found = propagate_sparse(
             similarities, targets, self.damping, self.max_iter, self.convergence_iter
         )
+        return found, preferences
 
     def _preferences(self, edges: Floats, count: int) -> NDArray[np.float64]:
         if self.preference is None:

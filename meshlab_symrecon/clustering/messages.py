@@ -140,7 +140,7 @@ def _propagate(
     availabilities = np.zeros_like(similarities)
     chosen: Booleans = np.zeros(len(similarities), dtype=bool)
     unchanged = iteration = 0
-    for iteration in range(1, max_iter + 1):  # noqa: B007  # reported
+    for iteration in range(1, max_iter + 1):  # reported
         update = _responsibilities(similarities, availabilities)
         responsibilities = damping * responsibilities + (1.0 - damping) * update
         update = availability_rule(responsibilities)

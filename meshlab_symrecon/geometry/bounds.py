@@ -68,7 +68,7 @@ def require_solid(points: Points, purpose: str, minimum: int = 5) -> None:
     diagonal = float(np.linalg.norm(widths))
     limit = max(FLATNESS * diagonal, ROUNDING * float(np.abs(points).max()))
     rank = int(np.count_nonzero(widths > limit))
-    if rank < 3:  # noqa: PLR2004  # three dimensions
+    if rank < 3:  # three dimensions
         shape = ("that all coincide", "on one line", "in one plane")[rank]
         message = (
             f"{purpose} needs points not in one plane, since a flat cloud is its own mirror image; "

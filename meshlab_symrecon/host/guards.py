@@ -34,7 +34,21 @@ NEED_TWO_LAYERS = {
     "compute_mls_projection_rimls": ("controlmesh", "proxymesh"),
 }
 ALWAYS_ABORTS = frozenset({"create_mesh_by_grammar"})  # whatever the grammar
-DELETES_WHOLE_CLOUDS = "meshing_remove_unreferenced_vertices"
+# Filters that clean meshes, common in scripts, and delete every point of a cloud.
+EMPTY_CLOUDS = frozenset(
+    {
+        "meshing_edge_flip_by_curvature_optimization",
+        "meshing_remove_connected_component_by_diameter",
+        "meshing_remove_connected_component_by_face_number",
+        "meshing_remove_unreferenced_vertices",
+    }
+)
+# Filters that do so in passing, and the parameter that names the layer
+# (none: the current one).
+EMPTY_CLOUDS_TOO = {
+    "compute_color_by_point_cloud_voronoi_projection": "coloredmesh",
+    "generate_solid_wireframe": "",
+}
 
 
 def check_step(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
@@ -52,7 +66,7 @@ def check_step(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> 
     if current_identifier(mesh_set) >= 0:
         check_distinct(mesh_set, item, values)
         check_vertices(mesh_set, item)
-        check_faces(mesh_set, item)
+        check_faces(mesh_set, item, values)
         check_finite(mesh_set, item, values)
 
 
@@ -101,26 +115,25 @@ def check_document(mesh_set: Any, item: NativeFilter) -> None:
 
 
 def check_layers(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse numbers of layers that do not exist: MeshLab would follow them into nowhere.
+    """Refuse numbers of layers that do not exist, given or by default: MeshLab would crash.
 
     Raises
     ------
     ParameterError
     """
-    for parameter in item.parameters:
-        number = values.get(parameter.name)
-        if parameter.rich_type == "RichMesh" and number is not None:
-            if not mesh_set.mesh_id_exists(number):
-                known = ", ".join(str(mesh.id()) for mesh in mesh_set) or "none"
-                message = (
-                    f"parameter '{parameter.name}' of '{item.menu_name}' must be the number of a "
-                    f"layer; got {number}; the document has {known}"
-                )
-                raise ParameterError(message)
+    for name, number in _layers_used(mesh_set, item, values).items():
+        if mesh_set.mesh_id_exists(number):
+            continue
+        known = ", ".join(str(mesh.id()) for mesh in mesh_set) or "none"
+        message = (
+            f"parameter '{name}' of '{item.menu_name}' must be the number of a layer; "
+            f"got {number}; the document has {known}"
+        )
+        raise ParameterError(message)
 
 
 def check_distinct(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse one layer in two roles where MeshLab would crash on it, also by default.
+    """Refuse one layer in two roles, given or by default, where MeshLab would crash on it.
 
     Raises
     ------
@@ -129,13 +142,23 @@ def check_distinct(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any])
     if item.python_name not in NEED_TWO_LAYERS:
         return
     first, second = NEED_TWO_LAYERS[item.python_name]
-    used = mesh_set.filter_parameter_values(item.python_name) | dict(values)
+    used = _layers_used(mesh_set, item, values)
     if used[first] == used[second]:
         message = (
             f"'{item.menu_name}' needs two layers; got {used[first]} as '{first}' and as "
             f"'{second}'; name two different ones"
         )
         raise ParameterError(message)
+
+
+def _layers_used(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> Mapping[str, int]:
+    """Return the number of each layer that a step names, in its values or by its defaults."""
+    names = [known.name for known in item.parameters if known.rich_type == "RichMesh"]
+    given = {name: values[name] for name in names if name in values}
+    if len(given) == len(names) or mesh_set.mesh_number() == 0:
+        return given
+    defaults = mesh_set.filter_parameter_values(item.python_name)
+    return {name: defaults[name] for name in names} | given
 
 
 def check_vertices(mesh_set: Any, item: NativeFilter) -> None:
@@ -154,16 +177,19 @@ def check_vertices(mesh_set: Any, item: NativeFilter) -> None:
         raise GeometryError(message)
 
 
-def check_faces(mesh_set: Any, item: NativeFilter) -> None:
-    """Refuse a filter that crashes on a cloud but not on a mesh.
+def check_faces(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
+    """Refuse a filter that crashes on a cloud, or deletes its points on the way to something else.
 
     Raises
     ------
     GeometryError
     """
-    mesh = mesh_set.current_mesh()
     fatal = "cloud" in item.fatal and "mesh" not in item.fatal
-    if fatal and mesh.face_number() == 0:
+    if not fatal and item.python_name not in EMPTY_CLOUDS_TOO:
+        return
+    parameter = EMPTY_CLOUDS_TOO.get(item.python_name, "")
+    mesh = mesh_set.mesh(values.get(parameter, current_identifier(mesh_set)))
+    if mesh.face_number() == 0:
         message = (
             f"'{item.menu_name}' needs faces; layer '{mesh.label()}' is a cloud; reconstruct a "
             "surface first"
@@ -195,10 +221,10 @@ def check_finite(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -
         raise GeometryError(message)
 
 
-def reason_to_skip(mesh_set: Any, python_name: str) -> str:
-    """Say why a step must not run although it would not crash; empty when it may run."""
-    if python_name == DELETES_WHOLE_CLOUDS and current_identifier(mesh_set) >= 0:
+def reason_to_skip(mesh_set: Any, item: NativeFilter) -> str:
+    """Say why a cleaning step must not run although it would not crash; empty when it may run."""
+    if item.python_name in EMPTY_CLOUDS and current_identifier(mesh_set) >= 0:
         mesh = mesh_set.current_mesh()
-        if mesh.face_number() == 0:
+        if mesh.face_number() == 0 and mesh.vertex_number() > 0:
             return f"layer '{mesh.label()}' has no faces, so every point would be deleted"
     return ""

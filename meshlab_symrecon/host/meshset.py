@@ -20,7 +20,7 @@ from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.plugin import Layer, Layers
 
-__all__ = ["add_layer", "current_identifier", "layers_of", "read_layer"]
+__all__ = ["add_layer", "check_addable", "current_identifier", "layers_of", "read_layer"]
 
 HALF_A_STEP = 0.5 / 255.0  # pymeshlab cuts colours down to bytes; this makes it round
 ATTRIBUTE_PREFIX = "__ca_vs__"  # how the options of a PLY file list custom scalars of vertices
@@ -96,9 +96,7 @@ def add_layer(mesh_set: Any, layer: Layer, current: bool) -> int:
     HostError
         The layer has no points, which MeshLab cannot hold, or its arrays do not fit together.
     """
-    if len(layer.points) == 0:
-        message = f"layer '{layer.label}' cannot be added; got no points; MeshLab needs at least 1"
-        raise HostError(message)
+    check_addable(layer)
     becomes_current = current or current_identifier(mesh_set) < 0
     with translated(f"adding layer '{layer.label}'"):
         mesh_set.add_mesh(_mesh_of(layer), layer.label, becomes_current)
@@ -108,6 +106,19 @@ def add_layer(mesh_set: Any, layer: Layer, current: bool) -> int:
         for name, values in layer.attributes.items():
             mesh.add_vertex_custom_scalar_attribute(np.array(values, dtype=np.float64), name)
     return int(identifier)
+
+
+def check_addable(layer: Layer) -> None:
+    """Refuse a layer that MeshLab cannot hold.
+
+    Raises
+    ------
+    HostError
+        It has no points.
+    """
+    if len(layer.points) == 0:
+        message = f"layer '{layer.label}' cannot be added; got no points; MeshLab needs at least 1"
+        raise HostError(message)
 
 
 def _mesh_of(layer: Layer) -> Any:

@@ -38,6 +38,9 @@ class NativeFilter:
         mesh, textured, sheet, cloud, void (a layer without vertices), empty (no layer).
     display : bool
         It draws with OpenGL, and aborts the process where there is no window.
+    probed : bool
+        It never ended well when the table was made: types of its parameters were told from its
+        defaults, and ``script_name`` is the Python name, since the case in scripts stayed unknown.
     """
 
     python_name: str
@@ -45,6 +48,7 @@ class NativeFilter:
     parameters: tuple[NativeParameter, ...]
     fatal: frozenset[str]
     display: bool
+    probed: bool
 
     def find(self, name: str) -> NativeParameter:
         """Return the parameter with that name, in Python or in scripts, in any case.
@@ -88,7 +92,8 @@ def _declared(name: str, facts: Mapping[str, Any]) -> NativeFilter:
         menu_name=facts["menu"],
         parameters=parameters,
         fatal=frozenset(facts["fatal"]),
-        display=bool(facts.get("display")),
+        display=facts["display"],
+        probed=facts["probed"],
     )
 
 
@@ -148,7 +153,7 @@ def apply_native(mesh_set: Any, name: str, values: Mapping[str, object]) -> dict
         parameter = item.find(given)
         arguments[parameter.name] = checked_value(parameter, value)
     check_step(mesh_set, item, arguments)
-    skipped = reason_to_skip(mesh_set, item.python_name)
+    skipped = reason_to_skip(mesh_set, item)
     if skipped:
         warn_user(f"'{item.menu_name}' was skipped: {skipped}")
         return {}

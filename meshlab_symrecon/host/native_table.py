@@ -16,6 +16,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from functools import partial
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -32,7 +33,7 @@ RAISED = 3  # exit code of a child whose filter raised an exception: the honest 
 
 
 def _mesh() -> Any:
-    """Two closed meshes with colours, quality and selections; the current one also textured."""
+    """Return two closed meshes with colours, quality and selections."""
     mesh_set = pymeshlab.MeshSet(verbose=False)
     mesh_set.create_cube()
     mesh_set.create_sphere(subdiv=2)
@@ -53,7 +54,7 @@ def _textured() -> Any:
 
 
 def _sheet() -> Any:
-    """A mesh with a boundary and texture coordinates a vertex, and clouds."""
+    """Return a mesh with a boundary and texture coordinates a vertex, and clouds."""
     mesh_set = _cloud()
     mesh_set.create_grid(numvertx=12, numverty=12)
     mesh_set.compute_texcoord_parametrization_flat_plane_per_wedge()
@@ -62,7 +63,7 @@ def _sheet() -> Any:
 
 
 def _cloud() -> Any:
-    """Two clouds with normals that lie almost on each other."""
+    """Return two clouds with normals that lie almost on each other."""
     mesh_set = pymeshlab.MeshSet(verbose=False)
     directions = np.random.default_rng(0).normal(size=(500, 3))
     normals = directions / np.linalg.norm(directions, axis=1, keepdims=True)
@@ -73,7 +74,7 @@ def _cloud() -> Any:
 
 
 def _void() -> Any:
-    """One layer from which every vertex was deleted."""
+    """Return one layer from which every vertex was deleted."""
     mesh_set = _cloud()
     mesh_set.set_selection_all()
     mesh_set.meshing_remove_selected_vertices()
@@ -134,6 +135,7 @@ def _facts(name: str, folder: Path) -> dict[str, Any]:
         # A filter that draws aborts for lack of a window wherever it gets as far as drawing.
         "display": fatal.get("textured") == "SIGABRT" and "empty" not in fatal,
         "fatal": fatal,
+        "probed": element is None,
     }
     if element is None:
         probe = folder / f"{name}.json"
@@ -158,8 +160,8 @@ def _declared(parameter: ElementTree.Element) -> dict[str, Any]:
 def _probe(name: str, answer: Path) -> None:
     """Tell types from defaults, and from what pymeshlab says to a wrong value.
 
-    A mesh parameter cannot be told from a whole number this way, nor the case of its name. A
-    camera among the parameters makes pymeshlab leave the process.
+    A layer's number is guessed from the parameter's name, and the case of that name in scripts
+    stays unknown. A camera among the parameters makes pymeshlab leave the process.
     """
     mesh_set = _mesh()
     found = []
@@ -180,6 +182,8 @@ def _probed_type(mesh_set: Any, name: str, parameter: str, default: Any) -> dict
     if "Percentage" in refusal:
         return {"type": "RichAbsPerc"}
     simple = {bool: "RichBool", int: "RichInt", float: "RichFloat", str: "RichString"}
+    if type(default) is int and re.search("mesh|cloud", parameter):
+        return {"type": "RichMesh"}
     if type(default) in simple:
         return {"type": simple[type(default)]}
     if isinstance(default, np.ndarray):
@@ -188,18 +192,19 @@ def _probed_type(mesh_set: Any, name: str, parameter: str, default: Any) -> dict
 
 
 def main() -> None:
-    """Write the table to the standard output, as JSON."""
-    if len(sys.argv) > 1:  # menu names of filters that never end well, from an older table
-        known = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-    else:
-        known = {}
+    """Write the table to the standard output, as JSON, one filter a line.
+
+    The menu names of filters that never end well are taken from the table that is there.
+    """
+    known = json.loads(files("meshlab_symrecon.host").joinpath("native_filters.json").read_bytes())
     table = {}
     with tempfile.TemporaryDirectory(prefix="symrecon-") as folder:
         for name in pymeshlab.filter_list():
             facts = _facts(name, Path(folder))
             facts["menu"] = facts["menu"] or known.get(name, {}).get("menu")
             table[name] = facts
-    sys.stdout.write(json.dumps(table, indent=1, ensure_ascii=False) + "\n")
+    lines = (f"{json.dumps(name)}: {json.dumps(facts)}" for name, facts in table.items())
+    sys.stdout.write("{\n" + ",\n".join(lines) + "\n}\n")
 
 
 if __name__ == "__main__":

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-import os
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -71,9 +71,9 @@ def checked_value(parameter: NativeParameter, value: object) -> Any:
 def parse_native(parameter: NativeParameter, text: str) -> Any:
     """Return the value that ``text`` stands for, on a command line or in a script.
 
-    Booleans are ``true``, ``false``, ``1``, ``0``; a choice is its word or its number; positions and
-    matrices are 3 or 16 numbers, row by row, with spaces or commas between; a colour is ``#rrggbb`` or 3
-    or 4 numbers up to 255; a percentage is an absolute length, or ends in ``%``.
+    Booleans are ``true``, ``false``, ``1``, ``0``; a choice is its word or its number; positions
+    and matrices are 3 or 16 numbers, row by row, with spaces or commas between; a colour is
+    ``#rrggbb`` or 3 or 4 numbers up to 255; a percentage is an absolute length, or ends in ``%``.
 
     Raises
     ------
@@ -152,9 +152,9 @@ def _word(parameter: NativeParameter, value: object) -> str:
 
 
 def _text(parameter: NativeParameter, value: object) -> str:
-    if not isinstance(value, (str, os.PathLike)):
+    if not isinstance(value, (str, PurePath)):  # pymeshlab itself takes no paths
         raise _refusal(parameter, value)
-    return os.fspath(value)  # type: ignore[return-value]  # a path of bytes is refused by pymeshlab
+    return str(value)
 
 
 def _colour(parameter: NativeParameter, value: object) -> Any:

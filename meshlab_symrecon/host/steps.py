@@ -9,7 +9,7 @@ from typing import Any
 
 from meshlab_symrecon.errors import HostError, PluginError, SymReconError, UnknownFilterError
 from meshlab_symrecon.host import history
-from meshlab_symrecon.host.meshset import add_layer, layers_of
+from meshlab_symrecon.host.meshset import add_layer, check_addable, layers_of
 from meshlab_symrecon.host.native_filters import apply_native, find_native, is_native
 from meshlab_symrecon.host.native_values import parse_native
 from meshlab_symrecon.host.notices import warn_user
@@ -160,6 +160,8 @@ def _add_layers(mesh_set: Any, item: Filter, outcome: Outcome) -> None:
             "the current one; report this to its author"
         )
         raise HostError(message)
+    for layer in outcome.layers:  # all or none
+        check_addable(layer)
     identifiers = [add_layer(mesh_set, layer, current=False) for layer in outcome.layers]
     if chosen is not None and identifiers:
         mesh_set.set_current_mesh(identifiers[chosen])

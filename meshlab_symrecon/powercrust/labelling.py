@@ -33,9 +33,11 @@ LONG = 3.0  # spacings: a sample with both poles farther than this lies on the s
 TYPICAL = 1.5  # times the median length, where noise makes most cells round
 STEEPNESS = 4.0  # power with which certainty falls with nearer poles
 NEIGHBOURS = 4
+MOST_PARTNERS = 24  # balls that meet in a sample, of which about eight are usual
 SMOOTHNESS = 200.0  # capacity of an edge between balls that coincide
 TERMINAL = 20.0  # capacity gained with each unit of path confidence
 STRONGEST_TERMINAL = 400.0
+RESOLUTION = 256.0  # capacities are whole numbers: a finer unit makes ties between cuts rare
 CERTAIN = 1 << 30  # capacity of a tie that the cut must not break
 SMALLEST_PIECE = 0.005  # share of the poles; a smaller island or bubble is noise
 
@@ -78,7 +80,7 @@ def label_poles(poles: Poles, diagram: Triangulation) -> Labels:
     """
     representative = diagram.representative.astype(np.int64)
     outer = _certainly_outside(poles, diagram, representative)
-    graph = _pole_graph(poles, diagram)
+    graph = _pole_graph(poles, diagram, representative)
     to_outer, to_inner = _path_costs(poles, graph, outer, representative)
     inside = _minimum_cut(graph, to_outer, to_inner, outer)
     if not inside.any():  # so few poles that the cut prefers none inside: the paths alone decide
@@ -106,23 +108,49 @@ def _certainly_outside(poles: Poles, diagram: Triangulation, representative: Ind
     return outer
 
 
-def _pole_graph(poles: Poles, diagram: Triangulation) -> _Graph:
+def _pole_graph(poles: Poles, diagram: Triangulation, representative: Indices) -> _Graph:
+    """Return the edges of the power diagram's dual, and those between balls that share a sample.
+
+    About eight balls meet in every sample, and rounding decides which of them the triangulation
+    joins there; with all their pairs the evidence does not depend on it.
+    """
     cells = diagram.cells.astype(np.int64)
     sides = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
-    keys = np.concatenate(
-        [
-            (np.minimum(cells[:, a], cells[:, b]) << 32) | np.maximum(cells[:, a], cells[:, b])
-            for a, b in sides
-        ]
-    )
-    keys.sort()
-    keys = keys[np.flatnonzero(np.diff(keys, prepend=-1))]
-    start, end = keys >> 32, keys & 0xFFFFFFFF
+    keys = [_edge_keys(cells[:, a], cells[:, b]) for a, b in sides]
+    keys += _pairs_at_samples(poles, diagram, representative)
+    unique = np.concatenate(keys)
+    unique.sort()
+    unique = unique[np.flatnonzero(np.diff(unique, prepend=-1))]
+    start, end = unique >> 32, unique & 0xFFFFFFFF
     arms = poles.centres[start] - poles.centres[end]
     squares = np.einsum("ij,ij->i", arms, arms)
     r, s = poles.radii[start], poles.radii[end]
     cosine = (r * r + s * s - squares) / (2.0 * r * s)
     return _Graph(start, end, np.minimum(cosine, DEEPEST))
+
+
+def _edge_keys(a: Indices, b: Indices) -> Indices:
+    return (np.minimum(a, b) << 32) | np.maximum(a, b)
+
+
+def _pairs_at_samples(
+    poles: Poles, diagram: Triangulation, representative: Indices
+) -> list[Indices]:
+    """Return keys of the pairs of shown poles whose balls touch one sample."""
+    used = np.flatnonzero((representative == np.arange(len(representative))) & ~diagram.hidden)
+    sample = poles.samples[used].ravel()
+    order = np.argsort(sample, kind="stable")
+    sample, pole = sample[order], np.repeat(used, 4)[order]
+    count = len(poles.sites) - 8
+    kept = np.searchsorted(sample, count)
+    sample, pole = sample[:kept], pole[:kept]
+    keys = []
+    for step in range(1, MOST_PARTNERS):
+        together = sample[step:] == sample[:-step]
+        if not together.any():
+            break
+        keys.append(_edge_keys(pole[:-step][together], pole[step:][together]))
+    return keys
 
 
 def _path_costs(
@@ -188,14 +216,15 @@ def _minimum_cut(graph: _Graph, to_outer: Floats, to_inner: Floats, outer: Boole
     count = len(outer)
     source, sink = count, count + 1  # outside, inside
     deep = graph.cosine > 0.0
-    capacity = np.round(SMOOTHNESS * graph.cosine[deep] ** 4).astype(np.int64)
+    capacity = np.round(RESOLUTION * SMOOTHNESS * graph.cosine[deep] ** 4).astype(np.int64)
     kept = capacity > 0
     start, end, capacity = graph.start[deep][kept], graph.end[deep][kept], capacity[kept]
 
     reached = np.isfinite(to_outer) | np.isfinite(to_inner)
     with np.errstate(invalid="ignore"):
         confidence = np.where(reached, np.abs(to_outer - to_inner), 0.0)
-    strength = np.minimum(1.0 + TERMINAL * confidence, STRONGEST_TERMINAL).astype(np.int64)
+    strength = np.minimum(1.0 + TERMINAL * confidence, STRONGEST_TERMINAL)
+    strength = np.round(RESOLUTION * strength).astype(np.int64)
     towards_outer = reached & (to_outer <= to_inner) & ~outer
     towards_inner = reached & (to_outer > to_inner) & ~outer
     tie_out = np.flatnonzero(towards_outer)

@@ -12,6 +12,7 @@ from meshlab_symrecon.geometry.triangulation import Triangulation, circumcentres
 __all__ = ["ENCLOSURE", "Poles", "enclose", "find_poles"]
 
 FLAT = 1e-12  # of the spread of the poles
+CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 ENCLOSURE = 4.0  # half side of the enclosing cube / longest extent, as in the original
 
 
@@ -33,7 +34,8 @@ class Poles:
     pair_samples : (k,) int
         The sample of each pair.
     outermost : (p,) bool
-        Poles whose ball touches a corner of the enclosing cube: certainly outside.
+        Poles whose ball touches a corner of the enclosing cube, or whose centre lies outside a
+        polytope round the samples: certainly outside, since no inner ball is centred there.
     """
 
     sites: Points
@@ -70,9 +72,24 @@ def enclose(samples: Points) -> Points:
     along = (samples - mean) @ axes
     low, high = along.min(axis=0), along.max(axis=0)
     half = ENCLOSURE * float((high - low).max())
-    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
-    corners = mean + (0.5 * (low + high) + half * signs) @ axes.T
+    corners = mean + (0.5 * (low + high) + half * CUBE) @ axes.T
     return np.concatenate([samples, corners])
+
+
+def _beyond(centres: Points, sites: Points, sample_count: int) -> Booleans:
+    """Return (p,) True for centres outside the samples' extent in one of 13 directions.
+
+    The directions are the faces, edges and corners of the enclosing cube.
+    """
+    samples, corners = sites[:sample_count], sites[sample_count:]
+    axes = corners[[4, 2, 1]] - corners[0]  # CUBE counts x, y, z in binary
+    steps = np.stack(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3), axis=-1).reshape(-1, 3)[:13]
+    directions = steps @ axes  # the other half points the other way
+    beyond = np.zeros(len(centres), dtype=bool)
+    for direction in directions:
+        height, extent = centres @ direction, samples @ direction
+        beyond |= (height < extent.min()) | (height > extent.max())
+    return beyond
 
 
 def find_poles(delaunay: Triangulation, sample_count: int) -> Poles:
@@ -115,7 +132,8 @@ def find_poles(delaunay: Triangulation, sample_count: int) -> Poles:
         samples=samples,
         pairs=pairs.astype(np.int64),
         pair_samples=sample[paired],
-        outermost=(samples >= sample_count).any(axis=1),
+        outermost=(samples >= sample_count).any(axis=1)
+        | _beyond(centres[poles], delaunay.sites, sample_count),
     )
 
 

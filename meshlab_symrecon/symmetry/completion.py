@@ -22,7 +22,7 @@ from meshlab_symrecon.arrays import (
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
 from meshlab_symrecon.geometry.bounds import robust_diagonal
-from meshlab_symrecon.geometry.neighbours import local_spacing
+from meshlab_symrecon.geometry.neighbours import local_spacing, principal_normals
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions
 
 __all__ = ["CompletedPoints", "mirror_complete"]
@@ -32,7 +32,9 @@ Progress: TypeAlias = Callable[[float, str], None]
 SPACING_NEIGHBOURS = 4
 SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
 ISOLATED = 3.0  # medians of the distance to 8 neighbours: farther points are not copied
-BLEND_OVERLAP = 0.03  # diagonals: mirrored points nearer than this to measured ones show the offset
+BLEND_OVERLAP = 0.5  # reaches of the blend: nearer mirror images show the offset
+BESIDE = 1.0  # spacings: a mirror image farther along the surface from its partner shows nothing
+NORMAL_NEIGHBOURS = 16
 BLEND_NEIGHBOURS = 32  # whose median offset counts
 BLEND_SOURCES = 24  # overlap points that move a filled point
 
@@ -56,7 +58,7 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     colours: ArrayLike | None = None,
     quality: ArrayLike | None = None,
     *,
-    gap: float = 1.5,
+    gap: float = 1.0,
     blend: float = 0.0,
     progress: Progress | None = None,
 ) -> CompletedPoints:
@@ -99,7 +101,7 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
         ``gap`` not positive, or ``blend`` negative.
     """
     if not (np.isfinite(gap) and gap > 0.0):
-        raise ParameterError(f"gap must be a positive multiple of the spacing; got {gap!r}; use 1.5")
+        raise ParameterError(f"gap must be a positive multiple of the spacing; got {gap!r}; use 1.0")
     if not (np.isfinite(blend) and blend >= 0.0):
         raise ParameterError(f"blend must be 0 or a positive length; got {blend!r}; use 0.06")
     measured = as_points(points, minimum=2)
@@ -149,27 +151,42 @@ def _fill(points: Points, plane: Floats, gap: float, blend: float) -> tuple[Poin
     tree = cKDTree(points)
     distances, nearest = tree.query(images)
     if blend > 0.0:
-        images = _lean(images, points[nearest], distances, blend, robust_diagonal(points))
+        size = robust_diagonal(points)
+        images = _lean(images, points, (distances, nearest), spacing[nearest], blend * size)
         distances, nearest = tree.query(images)
     missing = distances > gap * np.clip(spacing[nearest], low, high)
     return images[missing], origin[missing]
 
 
 def _lean(
-    images: Points, partners: Points, distances: Floats, blend: float, diagonal: float
+    images: Points,
+    points: Points,
+    partners: tuple[Floats, Indices],
+    spacing: Floats,
+    reach: float,
 ) -> Points:
-    """Move mirror images by the offset seen where they overlap what was measured, fading out."""
-    overlap = np.flatnonzero(distances < BLEND_OVERLAP * diagonal)
+    """Move mirror images by the offset seen where they overlap what was measured, fading out.
+
+    Only the offset across the surface counts: along it, samples differ by chance, and at the rim of a
+    hole by how far the image lies beyond the rim.
+    """
+    distances, nearest = partners
+    near = np.flatnonzero(distances < BLEND_OVERLAP * reach)
+    normals = principal_normals(points, points[nearest[near]], NORMAL_NEIGHBOURS)[0]
+    gaps = points[nearest[near]] - images[near]
+    heights = np.einsum("ni,ni->n", gaps, normals)
+    beside = np.maximum(distances[near] ** 2 - heights**2, 0.0) < (BESIDE * spacing[near]) ** 2
+    overlap, offsets = near[beside], (heights[:, np.newaxis] * normals)[beside]
     if len(overlap) < BLEND_NEIGHBOURS:
         return images
-    reach = blend * diagonal
     tree = cKDTree(images[overlap])
     around = tree.query(images[overlap], k=BLEND_NEIGHBOURS)[1]
-    offsets = np.median((partners - images)[overlap][around], axis=1)
-    gaps, sources = tree.query(images, k=min(BLEND_SOURCES, len(overlap)))
-    nearness = gaps - gaps[:, :1]  # the farther from the seam, the wider the average
-    weights = np.exp(-0.5 * (nearness / (0.3 * reach)) ** 2)
+    offsets = np.median(offsets[around], axis=1)
+    separations, sources = tree.query(images, k=min(BLEND_SOURCES, len(overlap)))
+    extra = separations - separations[:, :1]  # the farther from the seam, the wider the average
+    weights = np.exp(-0.5 * (extra / (0.3 * reach)) ** 2)
     weights /= weights.sum(axis=1, keepdims=True)
-    fading = np.exp(-0.5 * (gaps[:, 0] / reach) ** 2)
-    moved: Points = images + fading[:, np.newaxis] * np.einsum("nk,nki->ni", weights, offsets[sources])
+    fading = np.exp(-0.5 * (separations[:, 0] / reach) ** 2)
+    leaning = np.einsum("nk,nki->ni", weights, offsets[sources])
+    moved: Points = images + fading[:, np.newaxis] * leaning
     return moved

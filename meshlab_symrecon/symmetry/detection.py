@@ -50,6 +50,7 @@ SAME_ANGLE = np.radians(3.0)
 SAME_OFFSET = 0.02
 TOLERANCE = 0.006  # of a match in verification
 FINEST = 0.006  # last tolerance of the refinement, but at least one spacing
+BROADEST = 0.025  # and never more than this
 QUERIES = 2_500
 
 
@@ -60,15 +61,17 @@ class _Stage:
     queries: int
     steps: int
     first: float  # tolerance of the refinement at its start
-    last: float  # and at its end
+    last: float  # and at its end,
+    breadth: float  # or this many residuals of the plane, whichever is larger
     kept: int  # planes that go on
     exact: bool  # partners are exact, not from the table alone
 
 
 CASCADE = (
-    _Stage(queries=400, steps=6, first=0.04, last=0.015, kept=32, exact=False),
-    _Stage(queries=1_000, steps=12, first=0.03, last=FINEST, kept=10, exact=False),
-    _Stage(queries=QUERIES, steps=10, first=0.015, last=FINEST, kept=10, exact=True),
+    _Stage(400, steps=6, first=0.04, last=0.015, breadth=0.0, kept=32, exact=False),
+    _Stage(1_000, steps=12, first=0.03, last=FINEST, breadth=0.0, kept=10, exact=False),
+    # A shape that is symmetric only to some extent is fitted that much more broadly.
+    _Stage(QUERIES, steps=12, first=0.015, last=FINEST, breadth=6.0, kept=10, exact=True),
 )
 
 
@@ -193,10 +196,10 @@ def verified_planes(
     candidates = vote(cloud, options.sample_count, MOST_CANDIDATES, rng)
     report(0.5, "clustering the votes")
     planes, converged = _exemplars(cloud, candidates.planes)
-    evidence = examine(planes, cloud, cloud.samples[:1], cloud.field.lookup, TOLERANCE)
+    evidence = examine(planes, cloud, 1, cloud.field.lookup, TOLERANCE)
     for number, stage in enumerate(CASCADE):
         report(0.7 + 0.1 * number, "refining and verifying planes")
-        planes, evidence = _pass_stage(cloud, planes, stage)
+        planes, evidence = _pass_stage(cloud, planes, evidence, stage)
     report(1.0, f"{len(planes)} planes verified")
     return Verified(canonical_planes(_to_input(cloud, planes)), evidence, converged)
 
@@ -211,8 +214,7 @@ def _exemplars(cloud: PreparedCloud, planes: Planes) -> tuple[Planes, bool]:
     The preference of a candidate is its support in a quick look, so that exemplars sit where the
     cloud confirms them.
     """
-    queries = cloud.samples[:QUICK_QUERIES]
-    quick = examine(planes, cloud, queries, cloud.field.lookup, QUICK_TOLERANCE)
+    quick = examine(planes, cloud, QUICK_QUERIES, cloud.field.lookup, QUICK_TOLERANCE)
     votes = quick.support - quick.contradiction
     order = np.argsort(-votes, kind="stable")
     places = embed_planes(planes[order], cloud.root_covariance)
@@ -233,16 +235,17 @@ def _exemplars(cloud: PreparedCloud, planes: Planes) -> tuple[Planes, bool]:
 
 
 def _pass_stage(
-    cloud: PreparedCloud, planes: Planes, stage: _Stage
+    cloud: PreparedCloud, planes: Planes, evidence: Evidence, stage: _Stage
 ) -> tuple[Planes, Evidence]:
     """Refine planes, verify them, and keep the best that differ; best first."""
     queries = cloud.samples[: stage.queries]
     nearest: Lookup = cloud.field.closest if stage.exact else cloud.field.lookup
     surface = cloud.points, cloud.normals
     mirrored = cloud.points[queries], cloud.normals[queries]
-    schedule = Schedule(stage.steps, stage.first, max(stage.last, cloud.spacing))
+    last = np.clip(stage.breadth * evidence.residual, max(stage.last, cloud.spacing), BROADEST)
+    schedule = Schedule(stage.steps, np.maximum(stage.first, last), last)
     planes = refine_planes(planes, mirrored, surface, nearest, schedule)
-    evidence = examine(planes, cloud, queries, nearest, TOLERANCE)
+    evidence = examine(planes, cloud, stage.queries, nearest, TOLERANCE)
     kept = _distinct(planes, log_odds(evidence), stage.kept)
     return planes[kept], evidence.take(kept)
 

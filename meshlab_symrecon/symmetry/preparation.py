@@ -36,6 +36,10 @@ FIELD_CELL = 0.008  # edge of a cell of the nearest-point table
 FIELD_MARGIN = 0.12  # width of its rim
 FIELD_CELLS = 500_000
 ORIENTATION_RADIUS = 0.22  # of the ball whose centroid tells the inside from the outside
+COPLANAR = 0.015  # distance from a sample's tangent plane within which another one is coplanar
+COPLANAR_DIRECTION = np.cos(np.radians(10.0))
+MANY_COPLANAR = 1.5  # medians of the number of coplanar samples: from there distinctness falls
+LANDMARKS = 600  # even samples that stand for all
 CLEAR_ORIENTATION = 0.12  # of that radius: a smaller offset of the centroid tells nothing
 
 
@@ -49,6 +53,7 @@ class PreparedCloud:
     border: Booleans  # (m,)  on the rim of a hole
     border_distance: Floats  # (m,)  to the nearest rim, infinite without one
     samples: Indices  # (s,)  farthest-point order: each beginning is an even sample
+    distinctness: Floats  # (s,)  below 1 for a sample on an unusually large flat face
     root_covariance: Floats  # (3, 3)  square root of the covariance of the points
     spacing: float  # median distance to the nearest point
     roughness: float  # median deviation from the local planes: noise and bending
@@ -98,6 +103,7 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
     tree = cKDTree(places)
     covariance = np.cov(places.T, bias=True)
     variances, vectors = np.linalg.eigh(covariance)
+    samples = farthest_point_order(places, sample_count)
     rims = cKDTree(places[border]).query(places)[0] if border.any() else np.inf
     return PreparedCloud(
         points=places,
@@ -105,7 +111,8 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
         oriented=oriented,
         border=border,
         border_distance=np.broadcast_to(rims, len(places)),
-        samples=farthest_point_order(places, sample_count),
+        samples=samples,
+        distinctness=_distinctness(places[samples], directions[samples]),
         root_covariance=(vectors * np.sqrt(np.maximum(variances, 0.0))) @ vectors.T,
         spacing=float(np.median(tree.query(places, k=2)[0][:, 1])),
         roughness=roughness,
@@ -151,15 +158,13 @@ def _smooth_surface(dense: Points, places: Points) -> tuple[Points, Points, floa
     return places, normals, roughness
 
 
-def _orient(
-    points: Points, normals: Points, hints: Points | None
-) -> tuple[Points, Booleans]:
+def _orient(points: Points, normals: Points, hints: Points | None) -> tuple[Points, Booleans]:
     """Turn normals away from the centroid of their surroundings, or to the side of the hints."""
     if hints is not None:
         along = np.einsum("mi,mi->m", normals, hints)
         clear = np.abs(along) > 0.5 * np.linalg.norm(hints, axis=1)
     else:
-        landmarks = points[farthest_point_order(points, 600)]
+        landmarks = points[farthest_point_order(points, LANDMARKS)]
         squares = ((points**2).sum(axis=1)[:, np.newaxis] + (landmarks**2).sum(axis=1)) - (
             2.0 * points @ landmarks.T
         )
@@ -168,3 +173,14 @@ def _orient(
         along = -np.einsum("mi,mi->m", centroids - points, normals)
         clear = np.abs(along) > CLEAR_ORIENTATION * ORIENTATION_RADIUS
     return normals * np.where(along < 0.0, -1.0, 1.0)[:, np.newaxis], clear
+
+
+def _distinctness(points: Points, normals: Points) -> Floats:
+    """Weigh samples down where unusually many others lie in their tangent plane: on a plinth, say."""
+    places, directions = points[:LANDMARKS], normals[:LANDMARKS]
+    heights = np.einsum("si,si->s", points, normals)[:, np.newaxis] - normals @ places.T
+    coplanar = np.abs(heights) < COPLANAR
+    coplanar &= np.abs(normals @ directions.T) > COPLANAR_DIRECTION
+    counts = np.maximum(coplanar.sum(axis=1), 1)
+    weights: Floats = np.minimum(1.0, MANY_COPLANAR * np.median(counts) / counts)
+    return weights

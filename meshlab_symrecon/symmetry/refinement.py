@@ -24,18 +24,20 @@ SETTLED = 1e-10  # turn and shift, in radians and units of the cloud
 FEWEST = 20  # partners
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Schedule:
     """How the tolerance shrinks: geometrically over the first 60 % of the steps."""
 
     steps: int
-    first: float  # tolerance of the first step, in the units of the cloud
-    last: float  # tolerance at the end
+    first: Floats | float  # tolerance of the first step, in the units of the cloud; (k,) or one
+    last: Floats | float  # tolerance at the end
 
-    def tolerance(self, step: int) -> float:
-        """Return the tolerance of a step."""
+    def tolerances(self, step: int) -> Floats:
+        """Return the tolerances of a step, (k,) or one number."""
         share = min(1.0, step / max(1.0, 0.6 * self.steps))
-        return self.first * (self.last / self.first) ** share
+        first = np.asarray(self.first, dtype=np.float64)
+        found: Floats = np.asarray(first * (self.last / first) ** share)
+        return found
 
 
 def refine_planes(
@@ -71,7 +73,7 @@ def refine_planes(
     normals, offsets = planes[:, :3].copy(), -planes[:, 3].copy()
     for step in range(schedule.steps):
         system, gradient, partners = _normal_equations(
-            (normals, offsets), queries, cloud, nearest, schedule.tolerance(step)
+            (normals, offsets), queries, cloud, nearest, schedule.tolerances(step)
         )
         ridge = RIDGE * np.trace(system, axis1=1, axis2=2) + np.finfo(float).tiny
         system += ridge[:, np.newaxis, np.newaxis] * np.eye(3)
@@ -93,7 +95,7 @@ def _normal_equations(
     queries: tuple[Points, Points],
     cloud: tuple[Points, Points],
     nearest: Lookup,
-    tolerance: float,
+    tolerances: Floats,
 ) -> tuple[Floats, Floats, Indices]:
     """Return the Gauss-Newton systems (k, 3, 3), gradients (k, 3) and numbers of partners (k,)."""
     normals, offsets = planes
@@ -108,9 +110,10 @@ def _normal_equations(
     along = np.einsum("kqi,ki->kq", partner_normals, normals)
     agreement = np.einsum("kqi,qi->kq", partner_normals, directions)
     agreement = np.abs(agreement - 2.0 * along * (normals @ directions.T))
-    weights = np.exp(-0.5 * squares / tolerance**2)
+    relative = squares / tolerances[..., np.newaxis] ** 2
+    weights = np.exp(-0.5 * relative)
     weights *= np.clip((agreement - NORMALS_BEGIN) / NORMALS_RANGE, 0.0, 1.0)
-    weights[squares > (REACH * tolerance) ** 2] = 0.0
+    weights[relative > REACH**2] = 0.0
     residuals = np.einsum("kqi,kqi->kq", gaps, partner_normals)
 
     def slopes(targets: Floats, towards: Floats) -> Floats:

@@ -32,7 +32,7 @@ class Evidence:
     support: Floats  # (k,)  share of the queries whose mirror image lies on the surface
     agreement: Floats  # (k,)  the same share of the queries that no hole excuses
     coverage: Floats  # (k,)  weight of those that no hole excuses, of the number of queries
-    contradiction: Floats  # (k,)  share that lies far off the surface without a hole to explain it
+    contradiction: Floats  # (k,)  share that lies far off the surface, no hole to explain it
     residual: Floats  # (k,)  RMS distance of partners from the tangent plane, in diagonals
 
     def take(self, rows: Indices) -> Evidence:
@@ -47,7 +47,7 @@ class Evidence:
 
 
 def examine(
-    planes: Planes, cloud: PreparedCloud, queries: Indices, nearest: Lookup, tolerance: float
+    planes: Planes, cloud: PreparedCloud, count: int, nearest: Lookup, tolerance: float
 ) -> Evidence:
     """Mirror query points across each plane and compare them with the cloud.
 
@@ -57,8 +57,8 @@ def examine(
         Planes in the coordinates of the prepared cloud.
     cloud : PreparedCloud
         The cloud.
-    queries : (q,) int
-        Points of the cloud that are mirrored.
+    count : int
+        Number of even samples that are mirrored.
     nearest : callable
         Finds nearest points of the cloud.
     tolerance : float
@@ -69,17 +69,18 @@ def examine(
     Evidence
         Rows in the order of the planes.
     """
-    size = max(1, CHUNK // max(1, len(queries)))
+    size = max(1, CHUNK // max(1, count))
     parts = [
-        _examine(planes[start : start + size], cloud, queries, nearest, tolerance)
+        _examine(planes[start : start + size], cloud, count, nearest, tolerance)
         for start in range(0, max(1, len(planes)), size)
     ]
     return Evidence(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def _examine(
-    planes: Planes, cloud: PreparedCloud, queries: Indices, nearest: Lookup, tolerance: float
+    planes: Planes, cloud: PreparedCloud, count: int, nearest: Lookup, tolerance: float
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    queries = cloud.samples[:count]
     points, directions = cloud.points[queries], cloud.normals[queries]
     normals = planes[:, :3]
     heights = normals @ points.T + planes[:, 3:]
@@ -111,6 +112,6 @@ def _examine(
         matched / total,
         matched / np.maximum(judged, TINY),
         judged / len(queries),
-        (weights * far).sum(axis=1) / total,
+        (weights * far) @ cloud.distinctness[:count] / total,
         np.sqrt((worth * off_squares).sum(axis=1) / np.maximum(matched, TINY)),
     )

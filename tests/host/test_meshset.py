@@ -167,7 +167,7 @@ def test_an_empty_layer_cannot_be_added(cloud_set):
 
 def test_arrays_that_do_not_fit_together_are_refused(cloud_set):
     bad = Layer(points=TETRAHEDRON, faces=np.array([[0, 1, 9]]), label="bad")
-    with pytest.raises(HostError, match="^adding layer 'bad': "):
+    with pytest.raises(HostError, match=r"^adding layer 'bad': "):
         add_layer(cloud_set, bad, current=True)
 
 

@@ -86,6 +86,18 @@ def test_a_filter_that_chooses_a_layer_it_did_not_make_is_refused(install, cloud
     assert cloud_set.mesh_number() == 1
 
 
+def test_layers_are_added_all_or_none(install, cloud_set, grow_filter):
+    def run(layers, parameters, progress):
+        empty = replace(layers.current, points=np.zeros((0, 3)), label="void")
+        return Outcome(layers=(layers.current, empty))
+
+    install(replace(grow_filter, run=run))
+    with pytest.raises(HostError, match="layer 'void' cannot be added"):
+        meshlab_symrecon.apply_filter(cloud_set, "grow_points")
+    assert cloud_set.mesh_number() == 1
+    assert read_history(cloud_set) == ()
+
+
 def test_progress_is_heard(installed, cloud_set):
     heard = []
     meshlab_symrecon.apply_filter(

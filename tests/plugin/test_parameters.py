@@ -207,7 +207,7 @@ def test_a_filter_without_parameters_says_so():
 
 
 def test_a_field_must_be_declared():
-    with pytest.raises(TypeError, match="Bad.count must be declared"):
+    with pytest.raises(TypeError, match=r"Bad\.count must be declared"):
 
         class Bad(ParameterSet):
             count: int = 3

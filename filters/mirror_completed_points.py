@@ -1,0 +1,115 @@
+"""Mirror-Complete Points."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshlab_symrecon.arrays import Planes
+from meshlab_symrecon.errors import GeometryError
+from meshlab_symrecon.geometry.plane_quads import planes_of_pieces
+from meshlab_symrecon.plugin import (
+    Filter,
+    Layer,
+    Layers,
+    Outcome,
+    ParameterSet,
+    Progress,
+    integer,
+    layer,
+    spacing_multiple,
+)
+from meshlab_symrecon.symmetry.completion import mirror_complete
+
+LABEL = "completed points"
+PLANES_LABEL = "reflection planes"
+
+
+class Parameters(ParameterSet):
+    """Parameters of the completion."""
+
+    planes: int = layer(
+        -1,
+        "Planes",
+        f"The layer whose rectangles are the mirror planes; -1 takes the newest '{PLANES_LABEL}'.",
+    )
+    count: int = integer(
+        1, "Planes used", "How many planes of that layer to mirror across, from the first.", low=1
+    )
+    gap: float = spacing_multiple(
+        1.5,
+        "Gap",
+        "A mirrored point is added where no point is nearer than this.",
+        low=0.1,
+        high=100.0,
+    )
+
+
+def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
+    """Complete the current layer's points across the planes of the planes layer."""
+    source = layers.current
+    planes = _planes(layers, parameters)[: parameters.count]
+    completed = mirror_complete(
+        source.points,
+        planes,
+        normals=source.normals,
+        colours=source.colours,
+        gap=parameters.gap,
+        progress=progress,
+    )
+    share = completed.mirrored.astype(np.float64)
+    added = Layer(
+        completed.points,
+        np.zeros((0, 3), dtype=np.int64),
+        label=LABEL,
+        normals=completed.normals,
+        colours=completed.colours,
+        quality=share,
+        attributes={"mirrored": share},
+    )
+    mirrored = int(np.count_nonzero(completed.mirrored))
+    measures = {"measured": len(source.points), "mirrored": mirrored}
+    return Outcome((added,), current=0, measures=measures)
+
+
+def _planes(layers: Layers, parameters: Parameters) -> Planes:
+    if parameters.planes >= 0:
+        chosen: Layer | None = layers.get(parameters.planes)
+    else:
+        chosen = layers.newest(PLANES_LABEL)
+    if chosen is None:
+        message = (
+            f"mirror completion needs a layer '{PLANES_LABEL}'; got none of that name; "
+            "detect planes first, or draw one and name its layer"
+        )
+        raise GeometryError(message)
+    planes = planes_of_pieces(chosen.points, chosen.faces)
+    if not len(planes):
+        message = (
+            f"a planes layer needs a rectangle or triangle a plane; layer '{chosen.label}' has "
+            "no faces; detect planes first, or draw one"
+        )
+        raise GeometryError(message)
+    return planes
+
+
+FILTER = Filter(
+    menu_name="Mirror-Complete Points",
+    python_name="generate_mirror_completed_points",
+    aliases=("mirror_complete_points",),
+    summary="Fill what a scan lacks with mirror images of what it has.",
+    description=(
+        f"Reads the planes of the layer `{PLANES_LABEL}` (detected, moved or drawn by hand) and "
+        "mirrors the current layer's points across them where nothing was measured. Adds the "
+        f"layer `{LABEL}`: the measured points first, in their order, bit for bit, then the "
+        "mirrored ones with mirrored normals and copied colours. Vertex quality and the custom "
+        "attribute `mirrored` are 0 for measured points and 1 for mirrored ones.\n\n"
+        "Returns the counts `measured` and `mirrored`."
+    ),
+    parameters=Parameters,
+    run=run,
+    meshlab_class="PointSet",
+    category="Creation/Sampling",
+    arity="VARIABLE",
+    requires=("points",),
+    creates=(LABEL,),
+)

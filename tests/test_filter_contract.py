@@ -1,0 +1,186 @@
+"""The contract of every registered filter; a filter without a row in CASES fails."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+import pytest
+import shapes
+from scipy.spatial import cKDTree
+
+from meshlab_symrecon.errors import SymReconError
+from meshlab_symrecon.geometry.plane_quads import planes_as_quads, planes_of_pieces
+from meshlab_symrecon.geometry.surfaces import enclosed_volume
+from meshlab_symrecon.plugin import Filter, Layer, Layers, Outcome
+from meshlab_symrecon.plugin.registry import installed_filters
+
+REGISTRY = installed_filters()
+FILTERS = tuple(REGISTRY)
+NO_FACES = np.zeros((0, 3), dtype=np.int64)
+MIRROR = np.array([[1.0, 0.0, 0.0, 0.0]])
+
+
+def frozen(array: np.ndarray) -> np.ndarray:
+    array = array.copy()
+    array.setflags(write=False)
+    return array
+
+
+def document(points: np.ndarray, planes: np.ndarray = MIRROR) -> Layers:
+    """A document of a planes layer and a scan, the scan current; nothing in it can be written."""
+    scan = Layer(frozen(points), frozen(NO_FACES), label="scan", identifier=0)
+    if len(points) and np.isfinite(points).all():
+        corners, faces = planes_as_quads(planes, points)
+    else:
+        corners, faces = planes_as_quads(planes, np.eye(3))
+    sheets = Layer(frozen(corners), frozen(faces), label="reflection planes", identifier=1)
+    return Layers({0: scan.label, 1: sheets.label}, 0, (scan, sheets).__getitem__)
+
+
+@dataclass(frozen=True)
+class Case:
+    """An input, and how outcomes of a filter are compared after a motion is taken back."""
+
+    points: np.ndarray
+    same: Callable[[Outcome, Outcome, shapes.Motion], None]
+
+
+def layer_points(outcome: Outcome) -> np.ndarray:
+    return outcome.layers[0].points
+
+
+def same_planes(rest: Outcome, moved: Outcome, motion: shapes.Motion) -> None:
+    expected, found = motion.planes(rest.measures["planes"]), moved.measures["planes"]
+    assert expected.shape == found.shape
+    sign = np.sign(np.einsum("ij,ij->i", expected[:, :3], found[:, :3]))
+    cosine = np.abs(np.einsum("ij,ij->i", expected[:, :3], found[:, :3]))
+    assert np.degrees(np.arccos(np.minimum(cosine, 1))).max() < 0.3
+    centre = motion(np.zeros((1, 3)))[0]
+    offsets = expected @ np.append(centre, 1) - sign * (found @ np.append(centre, 1))
+    assert np.abs(offsets).max() < 0.005 * motion.scale
+    np.testing.assert_allclose(moved.measures["support"], rest.measures["support"], atol=0.05)
+    back = planes_of_pieces(moved.layers[0].points, moved.layers[0].faces)
+    np.testing.assert_allclose(back[:, :3], found[:, :3], atol=1e-9)
+
+
+def same_cloud(rest: Outcome, moved: Outcome, motion: shapes.Motion) -> None:
+    assert moved.measures["measured"] == rest.measures["measured"]
+    assert moved.measures["mirrored"] == pytest.approx(rest.measures["mirrored"], abs=3)
+    gaps = cKDTree(motion.back(layer_points(moved))).query(layer_points(rest))[0]
+    assert np.mean(gaps > 1e-6) < 0.01
+
+
+def same_surface(rest: Outcome, moved: Outcome, motion: shapes.Motion) -> None:
+    for name in ("closed", "edge_manifold", "vertex_manifold", "components", "genus"):
+        assert moved.measures[name] == rest.measures[name]
+    gaps = cKDTree(motion.back(layer_points(moved))).query(layer_points(rest))[0]
+    assert np.mean(gaps > 1e-6) < 0.05
+    faces = rest.layers[0].faces, moved.layers[0].faces
+    assert enclosed_volume(layer_points(moved), faces[1]) / motion.scale**3 == pytest.approx(
+        enclosed_volume(layer_points(rest), faces[0]), rel=1e-4
+    )
+
+
+STATUE = shapes.statue(2500, seed=5)
+CASES = {
+    "generate_reflection_planes": Case(STATUE, same_planes),
+    "generate_mirror_completed_points": Case(STATUE, same_cloud),
+    "generate_surface_reconstruction_power_crust": Case(STATUE, same_surface),
+}
+
+
+def apply(item: Filter, points: np.ndarray, planes: np.ndarray = MIRROR) -> Outcome:
+    return item.apply(document(points, planes), {})
+
+
+def arrays_of(outcome: Outcome) -> list[bytes]:
+    found = []
+    for layer in outcome.layers:
+        values = [getattr(layer, field.name) for field in fields(layer)]
+        found += [value.tobytes() for value in values if isinstance(value, np.ndarray)]
+    return found + [repr(value).encode() for value in outcome.measures.values()]
+
+
+every_filter = pytest.mark.parametrize("item", FILTERS, ids=lambda item: item.python_name)
+
+
+def test_the_installed_filters_all_load():
+    assert REGISTRY.failures == ()
+    assert set(CASES) <= {item.python_name for item in FILTERS}
+
+
+@every_filter
+def test_it_runs_leaves_its_input_and_repeats_its_bytes(item):
+    points = CASES[item.python_name].points
+    layers = document(points)
+    kept = arrays_of(Outcome((layers.get(0), layers.get(1))))
+    first, second = item.apply(layers, {}), item.apply(layers, {})
+    assert first.layers
+    assert arrays_of(Outcome((layers.get(0), layers.get(1)))) == kept
+    assert arrays_of(first) == arrays_of(second)
+    assert {layer.label for layer in first.layers} <= set(item.creates)
+
+
+@every_filter
+@pytest.mark.parametrize("motion", shapes.MOTIONS, ids=lambda motion: motion.name)
+def test_it_follows_rotation_translation_and_scale(item, motion):
+    case = CASES[item.python_name]
+    moved = apply(item, motion(case.points), motion.planes(MIRROR))
+    case.same(apply(item, case.points), moved, motion)
+
+
+@every_filter
+def test_the_order_of_the_points_does_not_matter(item):
+    case = CASES[item.python_name]
+    shuffled = case.points[np.random.default_rng(0).permutation(len(case.points))]
+    still = replace(shapes.MOTIONS[0], turn=np.eye(3))
+    case.same(apply(item, case.points), apply(item, shuffled), still)
+
+
+BAD_POINTS = {
+    "no points": np.zeros((0, 3)),
+    "one point": np.zeros((1, 3)),
+    "two points": np.eye(3)[:2],
+    "three points": np.eye(3),
+    "four points": np.vstack([np.eye(3), np.zeros(3)]),
+    "one point many times": np.ones((50, 3)),
+    "collinear": np.outer(np.arange(50.0), [1.0, 2.0, 3.0]),
+    "coplanar": np.column_stack([np.random.default_rng(0).random((50, 2)), np.zeros(50)]),
+    "NaN": np.vstack([STATUE[:50], [[np.nan, 0, 0]]]),
+    "infinite": np.vstack([STATUE[:50], [[np.inf, 0, 0]]]),
+}
+
+
+@every_filter
+@pytest.mark.parametrize("name", BAD_POINTS)
+def test_bad_points_give_one_sentence(item, name):
+    with pytest.raises(SymReconError) as caught:
+        apply(item, BAD_POINTS[name])
+    message = str(caught.value)
+    assert "\n" not in message
+    assert "got" in message or "needs" in message
+
+
+@every_filter
+def test_duplicates_do_no_harm(item):
+    case = CASES[item.python_name]
+    doubled = apply(item, np.vstack([case.points, case.points[::5]]))
+    assert doubled.layers
+    assert np.isfinite(layer_points(doubled)).all()
+
+
+@every_filter
+def test_every_default_survives_a_script(item):
+    for parameter in item.parameters.declared():
+        assert parameter.parse(parameter.format(parameter.default)) == parameter.default
+        assert parameter.label
+        assert parameter.tooltip.endswith(".")
+    assert item.bind({}).values() == {p.name: p.default for p in item.parameters.declared()}
+
+
+@every_filter
+def test_an_unknown_parameter_is_named(item):
+    with pytest.raises(SymReconError, match="unknown parameter 'nonsense'"):
+        item.apply(document(STATUE), {"nonsense": 1})
