@@ -153,13 +153,6 @@ def whole_method(scan: Path, seed: int, progress: Callable[[float, str], None]) 
         layers["reflection planes"] = _newest(mesh_set)
         completed = run(COMPLETE, "mirroring points")
         layers["completed points"] = current_identifier(mesh_set)
-    else:
-        from meshlab_symrecon.host.notices import warn_user
-
-        warn_user(
-            f"no mirror plane was found in {scan.name}, so nothing was mirrored and the surface "
-            "closes what was measured"
-        )
     surface = run(CLOSE, "closing the surface")
     layers["surface"] = current_identifier(mesh_set)
     return Reconstruction(mesh_set, layers, points, found, completed, surface)
@@ -227,7 +220,7 @@ def _draw(scan: Path, result: Reconstruction, path: Path) -> None:
     import numpy as np
 
     from meshlab_symrecon.host.meshset import read_layer
-    from meshlab_symrecon.pictures import main_job_picture
+    from meshlab_symrecon.pictures.main_job import main_job_picture
 
     layers = {label: read_layer(result.mesh_set, n) for label, n in result.layers.items()}
     measured, surface = layers["scan"], layers["surface"]
@@ -250,7 +243,7 @@ def in_words(scan: Path, result: Reconstruction) -> list[str]:
         numbers = " ".join(f"{number:.6g}" for number in plane["plane"])
         lines.append(f"mirror plane    {numbers} (A B C D), confidence {plane['confidence']:.2f}")
     if not planes:
-        lines.append("mirror plane    none")
+        lines.append("mirror plane    none, so the surface closes what was measured")
     if not result.found["converged"]:
         lines.append("                the clustering stopped before it had converged")
     counts = result.completed
