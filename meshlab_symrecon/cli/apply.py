@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -146,7 +146,8 @@ def _run(
     for path in inputs:
         load(path, mesh_set)
     before = {int(mesh.id()) for mesh in mesh_set}
-    with progress_bar(item.menu_name) as progress:
+    with warnings.catch_warnings(record=True) as caught, progress_bar(item.menu_name) as progress:
+        warnings.simplefilter("always")
         measures = apply_filter(mesh_set, item.python_name, progress=progress, **values)
     made = _result_layer(mesh_set, item, before)
     if output is not None and made is not None:
@@ -157,9 +158,19 @@ def _run(
         reports.write_json(report, reports.detection(measures) if detected else measures)
     for line in reports.measures_in_words(measures):
         click.echo(line)
-    if output is not None and made is None:
-        click.echo(f"{item.menu_name} found nothing, so {output} was not written", err=True)
-        sys.stderr.flush()
+    for sentence in _sentences(item, caught, None if made is not None else output):
+        click.echo(f"warning: {sentence}", err=True)
+
+
+def _sentences(
+    item: Any, caught: Sequence[warnings.WarningMessage], unwritten: Path | None
+) -> list[str]:
+    """Return what the filter warned of, with the file that was not written in the last one."""
+    sentences = [str(warning.message) for warning in caught]
+    if unwritten is not None:
+        last = sentences.pop() if sentences else f"'{item.menu_name}' made no layer"
+        sentences.append(f"{last}; {unwritten} was not written")
+    return sentences
 
 
 def _result_layer(mesh_set: Any, item: Any, before: set[int]) -> int | None:

@@ -40,6 +40,13 @@ class BorderGroup(click.Group):
             code = _guarded(call)
         sys.exit(code)
 
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; click itself would answer an interruption with an empty line."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as error:
+            raise click.Abort from error
+
 
 def _guarded(call: Callable[[], Any]) -> int:
     try:

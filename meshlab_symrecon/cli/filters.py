@@ -11,7 +11,7 @@ import click
 
 __all__ = ["filters"]
 
-WIDTH_IN_A_PIPE = 200  # columns; nothing is cut off there
+WIDTH_IN_A_PIPE = 1000  # columns; nothing is cut off there
 
 
 @click.command()

@@ -14,7 +14,7 @@ from meshlab_symrecon.cli.script import run
 __all__ = ["main"]
 
 
-@click.group(cls=BorderGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group("symrecon", cls=BorderGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="symrecon", message="%(prog)s %(version)s")
 def main() -> None:
     """Complete statue scans from their own mirror symmetry, and close them.
@@ -25,3 +25,6 @@ def main() -> None:
 
 for command in (reconstruct, apply, run, filters):
     main.add_command(command)
+
+if __name__ == "__main__":
+    main()

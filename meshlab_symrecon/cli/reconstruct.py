@@ -21,6 +21,9 @@ DETECT = "generate_reflection_planes"
 COMPLETE = "generate_mirror_completed_points"
 CLOSE = "generate_surface_reconstruction_power_crust"
 SHARES = {"compute_normal_for_point_clouds": 0.05, DETECT: 0.4, COMPLETE: 0.05, CLOSE: 0.5}
+SCAN, PLANES, COMPLETED, SURFACE = LABELS = (
+    "scan", "reflection planes", "completed points", "surface",
+)  # fmt: skip
 PICTURES = ("png", "pdf", "svg", "jpg")
 SEED = "randomseed"
 SEED_LIMIT = 2**31 - 1
@@ -41,7 +44,7 @@ class Reconstruction:
     """The document after the whole method, its layers, and what each filter measured."""
 
     mesh_set: Any
-    layers: Mapping[str, int]  # scan, reflection planes, completed points, surface: identifiers
+    layers: Mapping[str, int]  # label: identifier
     points: int
     found: Mapping[str, Any]
     completed: Mapping[str, Any]
@@ -115,7 +118,7 @@ def reconstruct(
 
 def _check_outputs(scan: Path, outputs: Outputs, check_output: Callable[..., None]) -> None:
     """Refuse every bad output path before the work starts."""
-    from meshlab_symrecon.host.files import PROJECT
+    from meshlab_symrecon.host.files import PROJECT, layer_files
 
     check_output(outputs.surface, [scan])
     used = [scan, outputs.surface]
@@ -124,6 +127,9 @@ def _check_outputs(scan: Path, outputs: Outputs, check_output: Callable[..., Non
         if path is not None:
             check_output(path, used, known)
             used.append(path)
+    if outputs.project is not None:
+        for name in layer_files(outputs.project, dict(enumerate(LABELS))).values():
+            check_output(outputs.project.parent / name, used)
     if outputs.preview is not None:
         missing = [
             name for name in ("matplotlib", "meshlab_symrecon.pictures") if find_spec(name) is None
@@ -143,25 +149,18 @@ def whole_method(scan: Path, seed: int, progress: Callable[[float, str], None]) 
 
     progress(0.0, f"reading {scan.name}")
     mesh_set = load(scan)
-    layers = {"scan": current_identifier(mesh_set)}
+    layers = {SCAN: current_identifier(mesh_set)}
     points = mesh_set.current_mesh().vertex_number()
     run = _runner(mesh_set, seed, progress)
     run("compute_normal_for_point_clouds", "normals")
     found = run(DETECT, "looking for mirror planes")
     completed: Mapping[str, Any] = {"measured": points, "mirrored": 0}
     if len(found["planes"]):
-        layers["reflection planes"] = _newest(mesh_set)
+        layers[PLANES] = _newest(mesh_set)
         completed = run(COMPLETE, "mirroring points")
-        layers["completed points"] = current_identifier(mesh_set)
-    else:
-        from meshlab_symrecon.host.notices import warn_user
-
-        warn_user(
-            f"no mirror plane was found in {scan.name}, so nothing was mirrored and the surface "
-            "closes what was measured"
-        )
+        layers[COMPLETED] = current_identifier(mesh_set)
     surface = run(CLOSE, "closing the surface")
-    layers["surface"] = current_identifier(mesh_set)
+    layers[SURFACE] = current_identifier(mesh_set)
     return Reconstruction(mesh_set, layers, points, found, completed, surface)
 
 
@@ -227,11 +226,11 @@ def _draw(scan: Path, result: Reconstruction, path: Path) -> None:
     import numpy as np
 
     from meshlab_symrecon.host.meshset import read_layer
-    from meshlab_symrecon.pictures import main_job_picture
+    from meshlab_symrecon.pictures.main_job import main_job_picture
 
     layers = {label: read_layer(result.mesh_set, n) for label, n in result.layers.items()}
-    measured, surface = layers["scan"], layers["surface"]
-    completed = layers.get("completed points", measured)
+    measured, surface = layers[SCAN], layers[SURFACE]
+    completed = layers.get(COMPLETED, measured)
     mirrored = np.arange(len(completed.points)) >= len(measured.points)
     invented = surface.quality if surface.quality is not None else np.zeros(len(surface.points))
     main_job_picture(
@@ -250,7 +249,7 @@ def in_words(scan: Path, result: Reconstruction) -> list[str]:
         numbers = " ".join(f"{number:.6g}" for number in plane["plane"])
         lines.append(f"mirror plane    {numbers} (A B C D), confidence {plane['confidence']:.2f}")
     if not planes:
-        lines.append("mirror plane    none")
+        lines.append("mirror plane    none, so the surface closes what was measured")
     if not result.found["converged"]:
         lines.append("                the clustering stopped before it had converged")
     counts = result.completed

@@ -24,6 +24,7 @@ __all__ = [
     "READABLE",
     "WRITABLE",
     "check_output",
+    "layer_files",
     "load",
     "new_document",
     "save_current",
@@ -230,7 +231,7 @@ def save_project(
     inputs = tuple(inputs)
     check_output(path, inputs, (PROJECT,))
     shown = {mesh.id(): mesh.label() for mesh in mesh_set} | dict(labels or {})
-    names = _layer_files(shown, path)
+    names = layer_files(path, shown)
     for name in names.values():
         check_output(path.parent / name, inputs)
     with replacing(path) as staged:
@@ -239,7 +240,8 @@ def save_project(
         staged.write_bytes(_project_text(shown, names).encode("utf-8"))
 
 
-def _layer_files(labels: Mapping[int, str], project: Path) -> dict[int, str]:
+def layer_files(project: Path, labels: Mapping[int, str]) -> dict[int, str]:
+    """Return the name of each layer's file beside a project, by layer identifier."""
     names: dict[int, str] = {}
     for identifier, label in labels.items():
         plain = re.sub(r"[^\w.-]+", "-", label).strip("-") or "layer"

@@ -131,12 +131,13 @@ def _count_words(file: BinaryIO, enough: int) -> int:
 
 
 def check_obj(path: Path) -> None:
-    """Check that every face of an OBJ file names vertices that exist: MeshLab crashes otherwise.
+    """Check what MeshLab's reader of OBJ files would crash on.
 
     Raises
     ------
     FileError
-        A face names a vertex, texture coordinate or normal that the file does not have.
+        A face names a vertex, texture coordinate or normal that the file does not have, or has a
+        comment behind it.
     """
     counts = {b"v": 0, b"vt": 0, b"vn": 0}
     corners: set[bytes] = set()
@@ -148,6 +149,9 @@ def check_obj(path: Path) -> None:
             if words[0] in counts:
                 counts[words[0]] += 1
             elif words[0] == b"f":
+                if b"#" in line:
+                    message = f"{path} has a comment behind a face, on which MeshLab's reader fails"
+                    raise FileError(f"{message}; remove it")
                 if b"-" in line:  # counted back from here
                     _check_corners(path, words[1:], counts)
                 else:
@@ -158,10 +162,10 @@ def check_obj(path: Path) -> None:
 
 
 def _whole_lines(file: BinaryIO) -> Iterator[bytes]:
-    """Yield lines without comments; a line that ends in a backslash goes on in the next."""
+    """Yield lines; one that ends in a backslash goes on in the next."""
     before = b""
     for line in file:
-        stripped = before + line.partition(b"#")[0].rstrip()
+        stripped = before + line.rstrip()
         if stripped.endswith(b"\\"):
             before = stripped[:-1] + b" "
             continue

@@ -145,7 +145,7 @@ def _applied(
             mesh_set.set_current_mesh(values["mesh"])
         return {}
     name = resolved.filter.python_name
-    reason = reason_to_skip(mesh_set, name)
+    reason = reason_to_skip(mesh_set, resolved.filter)
     if reason:
         notes.append(f"nothing was done: {reason}")
         return {}

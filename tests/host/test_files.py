@@ -102,6 +102,7 @@ BAD = {
     "texture.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/2 2/1 3/1\n", "the corner '1/2'"),
     "slashes.obj": (b"v 0 0 0\nf 1/1/1/1\n", "the corner '1/1/1/1'"),
     "word.obj": (b"v 0 0 0\nf a b c\n", "a face has the corner"),
+    "comment.obj": (b"v 0 0 0\nf 1 1 1 # c\n", "has a comment behind a face"),
     "none.obj": (b"# nothing\n", "holds no points"),
     "cut.stl": (b"\0" * 80 + struct.pack("<I", 2) + b"\0" * 99, "announces 2 triangles"),
     "tiny.stl": (b"abc", "cannot hold"),
@@ -164,7 +165,7 @@ def test_good_files_of_every_kind_pass(tmp_path):
     contents = {
         "crlf.ply": (ply() + THREE).replace("\n", "\r\n"),
         "one line.ply": ply() + THREE.replace("\n", " "),
-        "back.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf -3//-1 -2//-1 \\\n -1//-1 # c\n",
+        "back.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf -3//-1 -2//-1 \\\n -1//-1\n# f 9 9 9\n",
         "plain.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n",
         "a.off": "OFF\n3 1 0\n" + THREE + "3 0 1 2\n",
         "a.xyz": THREE,

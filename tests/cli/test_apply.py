@@ -1,0 +1,152 @@
+"""One filter on files."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from meshlab_symrecon.cli.apply import RESERVED
+from meshlab_symrecon.host.files import load
+from meshlab_symrecon.host.meshset import read_layer
+from meshlab_symrecon.host.native_filters import native_filters
+from meshlab_symrecon.host.registration import registry
+
+
+def only_layer(path):
+    mesh_set = load(path)
+    return read_layer(mesh_set, mesh_set.current_mesh_id())
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "generate_reflection_planes",
+        "detect_reflection_planes",
+        "Detect Reflection Planes (AP)",
+        " detect reflection planes (ap) ",
+    ],
+)
+def test_a_detection_by_every_name(run, statue, tmp_path, plane, name):
+    result = run(
+        "apply", name, statue, "-o", tmp_path / "planes.ply", "--json", tmp_path / "r.json"
+    )
+    assert result.exit_code == 0, result.stderr
+    report = json.loads((tmp_path / "r.json").read_text())
+    assert list(report) == ["planes", "converged"]
+    assert report["converged"] is True
+    best = report["planes"][0]
+    assert list(best) == ["plane", "support", "residual", "confidence"]
+    assert np.allclose(best["plane"], plane, atol=0.01)
+    sheets = only_layer(tmp_path / "planes.ply")
+    assert len(sheets.faces) == 2 * len(report["planes"])
+    assert np.allclose(sheets.points[:4] @ best["plane"][:3] + best["plane"][3], 0, atol=1e-6)
+    assert np.allclose(sheets.face_quality[:2], best["confidence"])
+
+
+def test_no_plane_is_an_honest_result(run, lopsided, tmp_path):
+    output = tmp_path / "p.ply"
+    result = run("apply", "detect_reflection_planes", lopsided, "-o", output,
+                 "--json", tmp_path / "r.json")  # fmt: skip
+    assert result.exit_code == 0
+    (sentence,) = result.stderr.splitlines()
+    assert sentence.startswith("warning: no reflection plane was found")
+    assert sentence.endswith(f"{output} was not written")
+    assert json.loads((tmp_path / "r.json").read_text()) == {"planes": [], "converged": True}
+    assert [path.name for path in tmp_path.iterdir()] == ["r.json"]
+
+
+def test_parameters_reach_the_filter(run, statue, tmp_path):
+    common = ("apply", "detect_reflection_planes", statue, "--json", tmp_path / "r.json")
+    assert run(*common, "--minconfidence", "1.0", "--seed", "5").exit_code == 0
+    assert json.loads((tmp_path / "r.json").read_text())["planes"] == []
+    assert run(*common, "--MaxPlanes=1", "--minconfidence", "0.1").exit_code == 0
+    assert len(json.loads((tmp_path / "r.json").read_text())["planes"]) == 1
+
+
+def test_the_layer_that_became_current_is_saved(run, statue, tmp_path):
+    result = run("apply", "power_crust_reconstruct", statue, "-o", tmp_path / "a.ply",
+                 "--medialaxis", "TRUE", "--json", tmp_path / "r.json")  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    report = json.loads((tmp_path / "r.json").read_text())
+    assert report["closed"] is True
+    assert len(only_layer(tmp_path / "a.ply").faces) == report["faces"]
+    assert "closed: yes" in result.stdout
+
+
+def test_native_filters_take_their_own_parameters(run, tmp_path):
+    sphere, thin = tmp_path / "s.ply", tmp_path / "thin.ply"
+    assert run("apply", "create_sphere", "-o", sphere, "--subdiv", "3").exit_code == 0
+    result = run("apply", "Simplification: Quadric Edge Collapse Decimation", sphere, "-o", thin,
+                 "--TargetFaceNum", "100")  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert len(only_layer(thin).faces) == 100
+    result = run("apply", "get_geometric_measures", thin, "--json", tmp_path / "r.json")
+    assert result.exit_code == 0, result.stderr
+    report = json.loads((tmp_path / "r.json").read_text())
+    assert report["mesh_volume"] == pytest.approx(4.0 * np.pi / 3.0, rel=0.1)
+    assert len(report["inertia_tensor"]) == 3
+    assert report["bbox"]["max"][0] == pytest.approx(1.0, abs=0.1)
+
+
+def test_several_inputs_become_layers(run, statue, tmp_path):
+    planes = tmp_path / "planes.ply"
+    run("apply", "detect_reflection_planes", statue, "-o", planes)
+    out = tmp_path / "c.ply"
+    result = run("apply", "mirror_complete_points", planes, statue, "-o", out, "--planes", "0")
+    assert result.exit_code == 0, result.stderr
+    measured = only_layer(statue).points
+    assert np.array_equal(only_layer(out).points[: len(measured)], measured)
+
+
+def test_help_shows_every_declared_parameter(run):
+    for item in registry():
+        for name in (item.python_name, item.menu_name):
+            result = run("apply", name, "--help")
+            assert result.exit_code == 0
+            words = " ".join(result.stdout.split())
+            assert " ".join(item.summary.split()) in words
+            for parameter in item.parameters.declared():
+                assert f"--{parameter.name}" in words
+                assert " ".join(parameter.tooltip.split()) in words
+                assert f"default: {parameter.default}" in words
+
+
+def test_help_of_every_native_filter(run):
+    for item in native_filters().values():
+        result = run("apply", item.python_name, "--help")
+        assert result.exit_code == 0
+        flags = set(re.findall(r"--([\w-]+)", result.stdout))
+        for parameter in item.parameters:
+            plain = parameter.name.replace("_", "-").strip("-")
+            assert (f"parameter-{plain}" if plain in RESERVED else plain) in flags
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (["detcet_reflection_plane", "x.ply"], 1,
+         "no filter is called 'detcet_reflection_plane'; did you mean 'detect_reflection_planes'?"),
+        (["detect_reflection_planes", "none.ply", "-o", "a.ply"], 1, "no such file"),
+        (["detect_reflection_planes", "x.ply"], 2, "give -o OUT, or --json R.json, or both"),
+        (["detect_reflection_planes", "-o", "a.ply"], 2, "Missing argument"),
+        (["detect_reflection_planes", "x.ply", "-o", "a.ply", "--maxplnes", "1"], 2, "--maxplanes"),
+        (["detect_reflection_planes", "x.ply", "-o", "a.ply", "--maxplanes", "0"], 2, "got 0"),
+        (["detect_reflection_planes", "x.ply", "-o", "a.ply", "--maxplanes", "x"], 2, "got 'x'"),
+        (["detect_reflection_planes", "x.ply", "-o", "x.ply"], 1, "would overwrite"),
+        (["detect_reflection_planes", "x.ply", "-o", "a.ply", "--json", "a.ply"], 1, "overwrite"),
+        (["meshing_close_holes", "x.ply", "-o", "a.ply", "--maxholesize", "x"], 2, "got 'x'"),
+    ],
+)  # fmt: skip
+def test_mistakes(run, tmp_path, monkeypatch, words, code, said):
+    monkeypatch.chdir(tmp_path)
+    result = run("apply", *words)
+    assert result.exit_code == code
+    assert said in " ".join(result.stderr.split())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_a_filter_there_is_help(run):
+    assert "FILTER IN... -o OUT" in run("apply", "--help").stdout

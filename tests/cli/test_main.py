@@ -1,0 +1,202 @@
+"""The border: exit codes, sentences, interruption; and the list of filters."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import click
+import pytest
+from click.testing import CliRunner
+
+import meshlab_symrecon
+from meshlab_symrecon.cli.border import BorderGroup
+from meshlab_symrecon.cli.progress import progress_bar
+from meshlab_symrecon.cli.reports import detection, plain
+from meshlab_symrecon.errors import FileError, ParameterError
+from meshlab_symrecon.host.native_filters import native_filters
+from meshlab_symrecon.host.registration import registry
+from meshlab_symrecon.plugin.documentation import describe
+
+
+def ended(error):
+    @click.group(cls=BorderGroup)
+    def group():
+        """Stand in."""
+
+    @group.command()
+    def fail():
+        raise error
+
+    return CliRunner().invoke(group, ["fail"])
+
+
+class Foreign(Exception):
+    __module__ = "pymeshlab.pmeshlab"
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (ParameterError("'a' must be 1; got 2"), 1, "error: 'a' must be 1; got 2"),
+        (FileError("a.ply is empty"), 1, "error: a.ply is empty"),
+        (OSError(28, "No space left", "a.ply"), 1, "error: a.ply: No space left"),
+        (OSError("odd"), 1, "error: odd"),
+        (MemoryError(), 1, "error: there is not enough memory for this; close programs or thin the "
+         "scan out first"),
+        (Foreign("it\n went wrong"), 1, "error: MeshLab: it went wrong"),
+        (KeyboardInterrupt(), 130, "interrupted; nothing was left half-written"),
+        (click.Abort(), 130, "interrupted; nothing was left half-written"),
+        (click.UsageError("no"), 2, "Error: no"),
+    ],
+)  # fmt: skip
+def test_errors_become_codes_and_one_sentence(error, code, said):
+    result = ended(error)
+    assert result.exit_code == code
+    assert result.stderr.strip().splitlines()[-1] == said
+    assert "Traceback" not in result.stderr
+
+
+def test_our_own_mistakes_are_not_hidden():
+    assert isinstance(ended(ZeroDivisionError("ours")).exception, ZeroDivisionError)
+
+
+def test_version_and_help(run, shell):
+    assert run("--version").stdout == f"symrecon {meshlab_symrecon.__version__}\n"
+    for word in ("reconstruct", "apply", "run", "filters"):
+        assert word in run("--help").stdout
+        assert run(word, "--help").exit_code == 0
+    assert shell().returncode == 2
+    assert run("nothing").exit_code == 2
+
+
+def test_help_needs_no_heavy_imports():
+    code = (
+        "import sys, meshlab_symrecon.cli.main\n"
+        "heavy = {'numpy', 'scipy', 'sklearn', 'pymeshlab', 'rich', 'matplotlib'}\n"
+        "print(sorted(heavy & set(sys.modules)))"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert result.stdout == "[]\n"
+
+
+INTERRUPTED = """
+import sys, time
+from meshlab_symrecon.cli import reconstruct
+from meshlab_symrecon.cli.main import main
+from meshlab_symrecon.host import files
+
+real = files._write
+
+def slow(*given):
+    real(*given)
+    print("writing", flush=True)
+    time.sleep(60)
+
+files._write = slow
+reconstruct.whole_method = lambda scan, seed, progress: reconstruct.Reconstruction(
+    files.load(scan), {}, 0, {}, {}, {}
+)
+main(sys.argv[1:])
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of Posix")
+def test_interruption_leaves_nothing_half_written(statue, tmp_path):
+    command = [sys.executable, "-c", INTERRUPTED, "reconstruct", statue, "-o", tmp_path / "a.ply"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "writing\n"
+    time.sleep(0.1)  # into the sleep
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert said == "interrupted; nothing was left half-written\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes of Posix")
+def test_a_reader_that_goes_away_is_no_traceback():
+    command = f"{sys.executable} -m meshlab_symrecon.cli.main filters --all --json | head -c 10"
+    result = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
+    assert result.stderr == ""
+
+
+def test_filters_are_listed(run):
+    listed = run("filters").stdout
+    for item in registry():
+        assert item.python_name in listed
+        assert item.menu_name in listed
+        assert item.summary in listed
+    assert f"{len(native_filters())} of MeshLab's own" in listed
+    everything = run("filters", "--all").stdout
+    assert all(item.python_name in everything for item in native_filters().values())
+    assert json.loads(run("filters", "--json").stdout) == [describe(item) for item in registry()]
+
+
+def test_one_filter_is_shown(run):
+    for item in registry():
+        for name in item.names:
+            assert json.loads(run("filters", name, "--json").stdout) == describe(item)
+            page = run("filters", name).stdout
+            assert item.description in page
+            for parameter in item.parameters.declared():
+                assert f"`{parameter.name}`" in page
+    page = run("filters", "close holes").stdout
+    assert "meshing_close_holes" in page
+    assert "`maxholesize` : Int" in page
+    assert "No parameters." in run("filters", "Remove Duplicate Vertices").stdout
+    facts = json.loads(run("filters", "Close Holes", "--json").stdout)
+    assert facts["parameters"][0]["script_name"] == "MaxHoleSize"
+    result = run("filters", "close hole")
+    assert result.exit_code == 1
+    assert result.stderr == (
+        "error: no filter is called 'close hole'; did you mean 'Close Holes'?\n"
+    )
+
+
+def test_progress_is_silent_in_a_pipe(capsys):
+    with progress_bar("work") as progress:
+        progress(0.5, "half")
+    captured = capsys.readouterr()
+    assert captured.err == captured.out == ""
+
+
+def test_progress_shows_on_a_terminal(capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm")
+    with progress_bar("work [1]") as progress:
+        progress(0.5, "half [red]way[/red]")
+    assert "half [red]way[/red]" in capsys.readouterr().err.replace("\x1b", "")
+
+
+def test_measures_become_plain_data():
+    import numpy as np
+
+    assert plain({"a": np.array([1.0, np.nan]), 1: (np.int64(2), True, None, "x")}) == {
+        "a": [1.0, None],
+        "1": [2, True, None, "x"],
+    }
+    assert plain(np.float32(0.5)) == 0.5
+    assert plain(object).startswith("<class")
+    two = {
+        "planes": np.eye(2, 4),
+        "support": np.array([0.9, 0.8]),
+        "residual": np.array([0.1, 0.2]),
+        "confidence": np.array([1.0, 0.5]),
+        "converged": np.bool_(False),
+    }
+    assert detection(two) == {
+        "planes": [
+            {"plane": [1, 0, 0, 0], "support": 0.9, "residual": 0.1, "confidence": 1.0},
+            {"plane": [0, 1, 0, 0], "support": 0.8, "residual": 0.2, "confidence": 0.5},
+        ],
+        "converged": False,
+    }
+    none = {name: values[:0] if name != "converged" else True for name, values in two.items()}
+    assert detection(none) == {"planes": [], "converged": True}

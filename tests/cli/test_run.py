@@ -1,0 +1,121 @@
+"""Scripts on files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meshlab_symrecon.host.files import load
+from meshlab_symrecon.host.meshset import read_layer
+from meshlab_symrecon.host.mlx import read_script
+from meshlab_symrecon.host.registration import registry
+from meshlab_symrecon.host.resolution import resolve_script
+
+SHIPPED = sorted(Path(__file__).parents[2].joinpath("meshlab_scripts").glob("*.mlx"))
+
+
+def test_the_shipped_script_gives_the_same_surface_to_the_last_bit(run, statue, tmp_path):
+    script = next(path for path in SHIPPED if path.name == "scan_to_solid.mlx")
+    by_script, by_command = tmp_path / "a.ply", tmp_path / "b.ply"
+    result = run("run", script, statue, "-o", by_script, "--json", tmp_path / "r.json")
+    assert result.exit_code == 0, result.stderr
+    assert run("reconstruct", statue, "-o", by_command).exit_code == 0
+    assert by_script.read_bytes() == by_command.read_bytes()
+    report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    assert [step["status"] for step in report["steps"]] == ["ran"] * 5
+    assert [step["filter"] for step in report["steps"]][2:] == [
+        "generate_reflection_planes",
+        "generate_mirror_completed_points",
+        "generate_surface_reconstruction_power_crust",
+    ]
+    assert report["steps"][-1]["measures"]["closed"] is True
+    assert report["inputs"] == [str(statue)]
+    for step in report["steps"]:
+        assert step["file"] == str(script)
+        assert step["name"] in script.read_text(encoding="utf-8").splitlines()[step["line"] - 1]
+        assert step["seconds"] >= 0
+
+
+@pytest.mark.parametrize("script", SHIPPED, ids=lambda path: path.name)
+def test_shipped_scripts_name_every_parameter_with_its_default(script):
+    assert len(SHIPPED) == 4
+    for step in resolve_script(read_script(script)):
+        assert step.notes == ()
+        if step.python_name in registry():
+            assert dict(step.values) == step.filter.bind({}).values()
+            assert list(step.values) == [p.name for p in step.filter.parameters.declared()]
+
+
+@pytest.mark.parametrize("script", SHIPPED, ids=lambda path: path.name)
+def test_shipped_scripts_run(run, statue, tmp_path, script):
+    result = run("run", script, statue, "-o", tmp_path / "a.ply")
+    assert result.exit_code == 0, result.stderr
+    assert f"{script}:" in result.stdout
+    layer = read_layer(load(tmp_path / "a.ply"), 0)
+    measured = len(read_layer(load(statue), 0).points)
+    if script.name == "detect.mlx":
+        assert len(layer.points) == measured
+    elif script.name == "complete.mlx":
+        assert np.array_equal(np.unique(layer.quality), [0.0, 1.0])
+        assert np.count_nonzero(layer.quality == 0) == measured
+    else:
+        assert len(layer.faces) > measured
+
+
+def test_inputs_are_layers_in_their_order(run, statue, lopsided, tmp_path):
+    script = tmp_path / "a.mlx"
+    script.write_text(
+        '<FilterScript><filter name="Change the current layer">'
+        '<Param type="RichMesh" name="mesh" value="0"/></filter></FilterScript>'
+    )
+    (tmp_path / "b.mlx").write_text("<FilterScript/>")
+    for name, expected in (("a.mlx", statue), ("b.mlx", lopsided)):
+        result = run("run", tmp_path / name, statue, lopsided, "-o", tmp_path / "out.ply")
+        assert result.exit_code == 0, result.stderr
+        kept = read_layer(load(tmp_path / "out.ply"), 0).points
+        assert np.array_equal(kept, read_layer(load(expected), 0).points)
+
+
+def test_mistakes_are_told_with_file_and_line(run, statue, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("scan.mlx").write_text(
+        '<FilterScript>\n<filter name="Detect Reflection Planes (AP)">\n'
+        '<Param type="RichFloat" name="minconfidenec" value="0.5"/></filter>\n'
+        '<filter name="Close Hole"/></FilterScript>\n'
+    )
+    result = run("run", "scan.mlx", statue, "-o", "a.ply", "--json", "r.json")
+    assert result.exit_code == 1
+    assert result.stderr.splitlines() == [
+        "error: scan.mlx:3: unknown parameter 'minconfidenec' of 'Detect Reflection Planes (AP)'; "
+        "did you mean 'minconfidence'?",
+        "scan.mlx:4: no filter is called 'Close Hole'; did you mean 'Close Holes'?",
+    ]
+    assert [path.name for path in tmp_path.iterdir()] == ["scan.mlx"]
+
+
+def test_a_step_that_fails_leaves_nothing(run, lopsided, tmp_path):
+    script = next(path for path in SHIPPED if path.name == "complete.mlx")
+    result = run("run", script, lopsided, "-o", tmp_path / "a.ply", "--json", tmp_path / "r.json")
+    assert result.exit_code == 1
+    assert "complete.mlx:" in result.stderr
+    assert "needs a layer 'reflection planes'" in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("words", [["a.mlx"], ["a.mlx", "b.ply"], []])
+def test_wrong_usage_is_2(run, words):
+    assert run("run", *words).exit_code == 2
+
+
+def test_missing_script_and_overwritten_script(run, statue, tmp_path):
+    result = run("run", tmp_path / "none.mlx", statue, "-o", tmp_path / "a.ply")
+    assert result.exit_code == 1
+    assert "none.mlx cannot be read" in result.stderr
+    script = tmp_path / "s.mlx"
+    script.write_text("<FilterScript/>")
+    result = run("run", script, statue, "-o", tmp_path / "a.ply", "--json", script)
+    assert result.exit_code == 1
+    assert script.read_text() == "<FilterScript/>"
