@@ -36,7 +36,7 @@ class Parameters(ParameterSet):
 def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
     """Reconstruct the current layer's points."""
     source = layers.current
-    crust = reconstruct(source.points, progress=progress)
+    crust = reconstruct(source.points, with_axis=parameters.medialaxis, progress=progress)
     added = [_surface(source, crust)]
     if parameters.medialaxis:
         axis = crust.axis

@@ -72,17 +72,44 @@ def enclosed_volume(points: Points, faces: Faces) -> float:
     return float(np.einsum("ij,ij->", shifted[faces[:, 0]], face_normals(shifted, faces)) / 6.0)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sides:
+    """The three sides of every face, sorted so that those of one edge stand together.
+
+    Side 3 f + k of face f runs from its corner k to the next one.
+    """
+
+    order: Indices  # (3 m,)  sides, edge by edge
+    edge: Indices  # (3 m,)  the edge of each of them, counted from 0
+    uses: Indices  # (e,)  faces at each edge
+    forward: Booleans  # (3 m,)  whether each of them runs from the smaller vertex to the larger
+
+
+def _sides(faces: Faces) -> _Sides:
+    start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    keys = (np.minimum(start, end) << 32) | np.maximum(start, end)
+    order = np.argsort(keys, kind="stable")
+    edge = np.cumsum(np.diff(keys[order], prepend=-1) != 0) - 1
+    uses = np.bincount(edge) if len(edge) else np.zeros(0, dtype=np.int64)
+    return _Sides(order, edge, uses, (start < end)[order])
+
+
+def _pieces(left: Indices, right: Indices, count: int) -> tuple[int, Indices]:
+    graph = coo_matrix((np.ones(len(left), dtype=bool), (left, right)), shape=(count, count))
+    pieces, piece = connected_components(graph, directed=False)
+    return int(pieces), piece.astype(np.int64)
+
+
 def face_components(faces: Faces) -> tuple[int, Indices]:
     """Return how many pieces the faces form through shared edges, and (m,) the piece of each."""
     if not len(faces):
         return 0, np.zeros(0, dtype=np.int64)
-    keys, owners = _edges(faces)[:2]
-    order = np.argsort(keys, kind="stable")
-    same = keys[order][1:] == keys[order][:-1]
-    left, right = owners[order][:-1][same], owners[order][1:][same]
-    graph = coo_matrix((np.ones(len(left)), (left, right)), shape=(len(faces), len(faces)))
-    count, labels = connected_components(graph, directed=False)
-    return int(count), labels.astype(np.int64)
+    return _face_pieces(_sides(faces), len(faces))
+
+
+def _face_pieces(sides: _Sides, count: int) -> tuple[int, Indices]:
+    joined = sides.edge[1:] == sides.edge[:-1]
+    return _pieces(sides.order[:-1][joined] // 3, sides.order[1:][joined] // 3, count)
 
 
 def topology(faces: Faces) -> Topology:
@@ -92,48 +119,55 @@ def topology(faces: Faces) -> Topology:
     ----------
     faces : (m, 3) int
     """
-    keys, _, forward = _edges(faces)
-    unique, inverse, uses = np.unique(keys, return_inverse=True, return_counts=True)
-    balance = np.bincount(inverse, weights=np.where(forward, 1.0, -1.0), minlength=len(unique))
-    boundary = int(np.count_nonzero(uses == 1))
-    crowded = int(np.count_nonzero(uses > 2))
-    components, _ = face_components(faces)
-    vertices = int(len(np.unique(faces)))
-    euler = vertices - len(unique) + len(faces)
-    closed = boundary == 0 and len(faces) > 0
-    fans = bool(crowded == 0 and len(faces) > 0 and _single_fans(faces))
-    genus = components - euler // 2 if closed and crowded == 0 and fans else -1
-    oriented = bool((balance[uses == 2] == 0.0).all()) and crowded == 0
+    if not len(faces):
+        return Topology(
+            closed=False,
+            edge_manifold=True,
+            vertex_manifold=True,
+            oriented=True,
+            components=0,
+            genus=-1,
+            euler=0,
+            boundary_edges=0,
+            non_manifold_edges=0,
+        )
+    sides = _sides(faces)
+    balance = np.bincount(sides.edge, weights=np.where(sides.forward, 1.0, -1.0))
+    boundary = int(np.count_nonzero(sides.uses == 1))
+    crowded = int(np.count_nonzero(sides.uses > 2))
+    vertices = int(np.count_nonzero(np.bincount(faces.ravel())))
+    components, _ = _face_pieces(sides, len(faces))
+    euler = vertices - len(sides.uses) + len(faces)
+    fans = crowded == 0 and _fan_count(faces, sides) == vertices
     return Topology(
-        closed, crowded == 0, fans, oriented, components, genus, euler, boundary, crowded
+        closed=boundary == 0,
+        edge_manifold=crowded == 0,
+        vertex_manifold=fans,
+        oriented=crowded == 0 and bool((balance[sides.uses == 2] == 0.0).all()),
+        components=components,
+        genus=components - euler // 2 if boundary == 0 and fans else -1,
+        euler=euler,
+        boundary_edges=boundary,
+        non_manifold_edges=crowded,
     )
 
 
-def _edges(faces: Faces) -> tuple[Indices, Indices, Booleans]:
-    """Return a key, the face and the direction of every side of every face."""
-    start = faces.ravel()
-    end = faces[:, [1, 2, 0]].ravel()
-    keys = (np.minimum(start, end) << 32) | np.maximum(start, end)
-    return keys, np.repeat(np.arange(len(faces)), 3), start < end
+def _fan_count(faces: Faces, sides: _Sides) -> int:
+    """Return how many fans of faces there are round all vertices together.
 
-
-def _single_fans(faces: Faces) -> bool:
-    """Tell whether the corners at every vertex hang together through edges.
-
-    A corner is (face, vertex).  Two corners at one vertex are joined when their faces share an
-    edge at that vertex, so the surface is a manifold at its vertices when there are as many
-    groups of corners as vertices.
+    Two corners at one vertex are joined when their faces share an edge there; a surface is a
+    manifold at its vertices when there are as many groups of corners as vertices.
     """
-    corners = np.arange(3 * len(faces)).reshape(-1, 3)
-    start, end = faces, faces[:, [1, 2, 0]]
-    low = np.where(start < end, corners, corners[:, [1, 2, 0]]).ravel()
-    high = np.where(start < end, corners[:, [1, 2, 0]], corners).ravel()
-    keys = ((np.minimum(start, end) << 32) | np.maximum(start, end)).ravel()
-    order = np.argsort(keys, kind="stable")
-    same = keys[order][1:] == keys[order][:-1]
-    here, there = order[:-1][same], order[1:][same]
-    left = np.concatenate([low[here], high[here]])
-    right = np.concatenate([low[there], high[there]])
-    graph = coo_matrix((np.ones(len(left)), (left, right)), shape=(corners.size, corners.size))
-    groups, _ = connected_components(graph, directed=False)
-    return bool(groups == len(np.unique(faces)))
+    joined = sides.edge[1:] == sides.edge[:-1]
+    here, there = sides.order[:-1][joined], sides.order[1:][joined]
+    next_corner = np.arange(faces.size).reshape(-1, 3)[:, [1, 2, 0]].ravel()
+    start = faces.ravel()
+    opposed = start[here] != start[there]
+    left = np.concatenate([here, next_corner[here]])
+    right = np.concatenate(
+        [
+            np.where(opposed, next_corner[there], there),
+            np.where(opposed, there, next_corner[there]),
+        ]
+    )
+    return _pieces(left, right, faces.size)[0]

@@ -58,11 +58,12 @@ def crust_faces(poles: Poles, diagram: Triangulation, inside: Booleans) -> Crust
     )
     if not len(corners):
         return Crust(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64), 0)
-    used, number = np.unique(corners, return_inverse=True)
-    cells = diagram.cells[used].astype(np.int64)
-    shared = _shared_sample(poles, cells)
-    vertices, replaced = _power_vertices(poles, diagram, used.astype(np.int64), shared)
-    faces = _fans(offsets, number.astype(np.int64))
+    dual = np.zeros(len(diagram.cells), dtype=bool)
+    dual[corners] = True
+    used = np.flatnonzero(dual)
+    shared = _shared_sample(poles, diagram.cells[used].astype(np.int64))
+    vertices, replaced = _power_vertices(poles, diagram, used, shared)
+    faces = _fans(offsets, (np.cumsum(dual) - 1)[corners])
     spacing = _local_spacing(poles, vertices)
     points, triangles = _native.contract_edges(
         vertices,

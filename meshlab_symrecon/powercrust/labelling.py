@@ -174,12 +174,12 @@ def _path_costs(
     useful = (angle < 0.0) & (first != second)
     first, second = first[useful], second[useful]
     opposite = -np.log(np.minimum(-angle[useful], DEEPEST)) + _doubt(poles)[useful]
+    first, second, opposite = _cheapest(first, second, opposite)
 
     rows = np.concatenate([start, start + count, first, first + count])
     columns = np.concatenate([end, end + count, second + count, second])
     costs = np.concatenate([same, same, opposite, opposite])
-    low, high = np.minimum(rows, columns), np.maximum(rows, columns)
-    cover = _cheapest(low, high, costs, 2 * count)
+    cover = csr_matrix((costs, (rows, columns)), shape=(2 * count, 2 * count))
     cost = dijkstra(cover, directed=False, indices=np.flatnonzero(outer), min_only=True)
     return cost[:count], cost[count:]
 
@@ -202,13 +202,14 @@ def _doubt(poles: Poles) -> Floats:
     return doubt
 
 
-def _cheapest(rows: Indices, columns: Indices, costs: Floats, size: int) -> csr_matrix:
-    """Return a sparse matrix with the smallest cost where an entry is given more than once."""
-    order = np.lexsort((costs, columns, rows))
-    rows, columns, costs = rows[order], columns[order], costs[order]
-    first = np.ones(len(rows), dtype=bool)
-    first[1:] = (np.diff(rows) != 0) | (np.diff(columns) != 0)
-    return csr_matrix((costs[first], (rows[first], columns[first])), shape=(size, size))
+def _cheapest(first: Indices, second: Indices, costs: Floats) -> tuple[Indices, Indices, Floats]:
+    """Return each pair of poles once, with its smallest cost: samples may share both poles."""
+    low, high = np.minimum(first, second), np.maximum(first, second)
+    order = np.lexsort((costs, high, low))
+    low, high = low[order], high[order]
+    fresh = np.ones(len(low), dtype=bool)
+    fresh[1:] = (np.diff(low) != 0) | (np.diff(high) != 0)
+    return low[fresh], high[fresh], costs[order][fresh]
 
 
 def _minimum_cut(graph: _Graph, to_outer: Floats, to_inner: Floats, outer: Booleans) -> Booleans:

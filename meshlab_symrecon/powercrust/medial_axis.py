@@ -38,13 +38,14 @@ def medial_axis(poles: Poles, diagram: Triangulation, inside: Booleans) -> Media
     diagram : Triangulation
     inside : (p,) bool
     """
-    cells = diagram.cells
+    cells = diagram.cells[np.count_nonzero(inside[diagram.cells], axis=1) >= 3]
     triangles = np.concatenate(
         [np.sort(cells[:, [k for k in range(4) if k != left_out]], axis=1) for left_out in range(4)]
     )
     triangles = np.unique(triangles[inside[triangles].all(axis=1)], axis=0)
-    kept = inside.copy()
-    kept &= np.isin(np.arange(len(inside)), cells)
+    kept = np.zeros(len(inside), dtype=bool)
+    kept[diagram.cells.ravel()] = True
+    kept &= inside
     number = np.cumsum(kept) - 1
     return MedialAxis(
         points=poles.centres[kept],

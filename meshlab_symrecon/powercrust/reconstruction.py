@@ -57,7 +57,10 @@ class PowerCrust:
 
 
 def reconstruct(
-    points: Points, *, progress: Callable[[float, str], None] | None = None
+    points: Points,
+    *,
+    with_axis: bool = True,
+    progress: Callable[[float, str], None] | None = None,
 ) -> PowerCrust:
     """Reconstruct a closed surface and its medial axis from samples.
 
@@ -65,6 +68,8 @@ def reconstruct(
     ----------
     points : (n, 3) float
         Samples; at least five that are not in one plane.
+    with_axis : bool
+        Also return the medial axis; it is empty otherwise.
     progress : callable, optional
         Told the fraction done and the step.
 
@@ -99,7 +104,7 @@ def reconstruct(
         return _convex_hull(samples, centre, scale, len(poles.centres))
     report(0.8, "extracting the surface")
     crust = crust_faces(poles, diagram, labels.inside)
-    axis = medial_axis(poles, diagram, labels.inside)
+    axis = medial_axis(poles, diagram, labels.inside & with_axis)
     report(1.0, "done")
     return PowerCrust(
         points=crust.points / scale + centre,
