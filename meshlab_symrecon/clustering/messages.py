@@ -2,8 +2,8 @@
 
 Notation of the paper: similarity ``s(i, k)``, responsibility ``r(i, k)``, availability ``a(i, k)``.
 The preference of point k is ``s(k, k)``. In the sparse form row i holds only the k-edges of a
-neighbour graph, **itself first**; sums and maxima run over the edges there are, so that one iteration
-takes O(edges) time and memory.
+neighbour graph, **itself first**; sums and maxima run over the edges there are, so that one
+iteration takes O(edges) time and memory.
 """
 
 from __future__ import annotations
@@ -94,8 +94,8 @@ def sparse_responsibilities(similarities: Floats, availabilities: Floats) -> Flo
     Parameters
     ----------
     similarities, availabilities : (n, k) float
-        ``s`` and ``a`` on the edges, the point itself first; k at least 2. An edge with ``s = -inf``
-        does not exist.
+        ``s`` and ``a`` on the edges, the point itself first; k at least 2. An edge with ``s =
+        -inf`` does not exist.
 
     Returns
     -------
@@ -140,7 +140,7 @@ def _propagate(
     availabilities = np.zeros_like(similarities)
     chosen: Booleans = np.zeros(len(similarities), dtype=bool)
     unchanged = iteration = 0
-    for iteration in range(1, max_iter + 1):  # noqa: B007  # reported
+    for iteration in range(1, max_iter + 1):  # reported
         update = _responsibilities(similarities, availabilities)
         responsibilities = damping * responsibilities + (1.0 - damping) * update
         update = availability_rule(responsibilities)

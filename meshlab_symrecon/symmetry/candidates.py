@@ -62,7 +62,11 @@ def vote(cloud: PreparedCloud, count: int, most: int, rng: np.random.Generator) 
         Possibly none.
     """
     samples = cloud.samples[:count]
-    points, normals, oriented = cloud.points[samples], cloud.normals[samples], cloud.oriented[samples]
+    points, normals, oriented = (
+        cloud.points[samples],
+        cloud.normals[samples],
+        cloud.oriented[samples],
+    )
     squares = (points**2).sum(axis=1)
     lengths = squares[:, np.newaxis] + squares - 2.0 * points @ points.T
     np.fill_diagonal(lengths, 0.0)

@@ -14,7 +14,6 @@ from meshlab_symrecon.arrays import (
     Booleans,
     Floats,
     Indices,
-    Planes,
     Points,
     as_normals,
     as_planes,
@@ -65,8 +64,8 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     """Fill the missing parts of a cloud with its own mirror images.
 
     A mirror image is added where nothing was measured: farther from every point so far than ``gap``
-    times the spacing there. Isolated points are not copied. Planes are used one after the other, each
-    on the cloud completed so far, so that two planes fill four quarters from one.
+    times the spacing there. Isolated points are not copied. Planes are used one after the other,
+    each on the cloud completed so far, so that two planes fill four quarters from one.
 
     Parameters
     ----------
@@ -101,7 +100,9 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
         ``gap`` not positive, or ``blend`` negative.
     """
     if not (np.isfinite(gap) and gap > 0.0):
-        raise ParameterError(f"gap must be a positive multiple of the spacing; got {gap!r}; use 1.0")
+        raise ParameterError(
+            f"gap must be a positive multiple of the spacing; got {gap!r}; use 1.0"
+        )
     if not (np.isfinite(blend) and blend >= 0.0):
         raise ParameterError(f"blend must be 0 or a positive length; got {blend!r}; use 0.06")
     measured = as_points(points, minimum=2)
@@ -136,7 +137,9 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
 def _attribute(values: ArrayLike, count: int, what: str) -> Floats:
     rows = np.array(values)
     if rows.ndim == 0 or len(rows) != count:
-        message = f"{what} must have one row a point, {count}; got shape {rows.shape}; leave them out"
+        message = (
+            f"{what} must have one row a point, {count}; got shape {rows.shape}; leave them out"
+        )
         raise GeometryError(message)
     return rows
 
@@ -167,8 +170,8 @@ def _lean(
 ) -> Points:
     """Move mirror images by the offset seen where they overlap what was measured, fading out.
 
-    Only the offset across the surface counts: along it, samples differ by chance, and at the rim of a
-    hole by how far the image lies beyond the rim.
+    Only the offset across the surface counts: along it, samples differ by chance, and at the rim of
+    a hole by how far the image lies beyond the rim.
     """
     distances, nearest = partners
     near = np.flatnonzero(distances < BLEND_OVERLAP * reach)

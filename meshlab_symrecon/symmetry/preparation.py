@@ -158,9 +158,7 @@ def _smooth_surface(dense: Points, places: Points) -> tuple[Points, Points, floa
     return places, normals, roughness
 
 
-def _orient(
-    points: Points, normals: Points, hints: Points | None
-) -> tuple[Points, Booleans]:
+def _orient(points: Points, normals: Points, hints: Points | None) -> tuple[Points, Booleans]:
     """Turn normals away from the centroid of their surroundings, or to the side of the hints."""
     if hints is not None:
         along = np.einsum("mi,mi->m", normals, hints)
@@ -178,8 +176,8 @@ def _orient(
 
 
 def _distinctness(points: Points, normals: Points) -> Floats:
-    """Weigh samples down where unusually many others lie in their tangent plane: on a plinth, say."""
-    places, directions = points[:LANDMARKS], normals[:LANDMARKS]
+    """Weigh samples down where unusually many others lie in their tangent plane: on a plinth,
+    say.""" places, directions = points[:LANDMARKS], normals[:LANDMARKS]
     heights = np.einsum("si,si->s", points, normals)[:, np.newaxis] - normals @ places.T
     coplanar = np.abs(heights) < COPLANAR
     coplanar &= np.abs(normals @ directions.T) > COPLANAR_DIRECTION
