@@ -29,8 +29,8 @@ NONE = 1e-3  # keeps logarithms finite
 
 
 def merit(evidence: Evidence) -> Floats:
-    """Return the merit by which planes are ordered before their confidence is known, (k,)
-    floats.""" ordering: Floats = 6.0 * evidence.agreement + 3.0 * np.log(evidence.support + NONE)
+    """Return the merit by which planes are ordered before their confidence is known."""
+    ordering: Floats = 6.0 * evidence.agreement + 3.0 * np.log(evidence.support + NONE)
     return ordering
 
 
