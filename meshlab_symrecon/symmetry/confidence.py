@@ -25,6 +25,7 @@ ENOUGH_ROUGHNESS = 0.002
 CONTRADICTION_SCALE = 0.003  # contradiction at which cleanness has fallen to 1 / e
 MOST_LEAD = 3.0
 RIVAL = 0.08  # agreement that a further plane may lack against the best one
+ENOUGH_SAMPLES = 100  # fewer match by chance: confidence falls in proportion
 NONE = 1e-3  # keeps logarithms finite
 
 
@@ -34,7 +35,7 @@ def merit(evidence: Evidence) -> Floats:
     return ordering
 
 
-def confidence(evidence: Evidence, roughness: float) -> Floats:
+def confidence(evidence: Evidence, roughness: float, count: int) -> Floats:
     """Return the chance that each plane is true.
 
     Parameters
@@ -43,6 +44,8 @@ def confidence(evidence: Evidence, roughness: float) -> Floats:
         All planes that were verified last; how far one leads the others tells, too.
     roughness : float
         Median deviation of the cloud from its local planes, in diagonals.
+    count : int
+        Number of samples that were compared.
 
     Returns
     -------
@@ -61,7 +64,7 @@ def confidence(evidence: Evidence, roughness: float) -> Floats:
         + PER_CLEANNESS * np.exp(-evidence.contradiction / CONTRADICTION_SCALE)
         + PER_RESIDUAL * evidence.residual
     )
-    chances: Floats = 1.0 / (1.0 + np.exp(-log_odds))
+    chances: Floats = min(1.0, count / ENOUGH_SAMPLES) / (1.0 + np.exp(-log_odds))
     return chances
 
 

@@ -203,7 +203,7 @@ def verified_planes(
         report(0.7 + 0.1 * number, "refining and verifying planes")
         planes, evidence = _pass_stage(cloud, planes, evidence, stage)
     report(1.0, f"{len(planes)} planes verified")
-    chances = confidence(evidence, cloud.roughness)
+    chances = confidence(evidence, cloud.roughness, len(cloud.samples))
     order = np.argsort(-chances, kind="stable")
     planes = canonical_planes(_to_input(cloud, planes[order]))
     return Verified(planes, evidence.take(order), chances[order], converged)
