@@ -39,7 +39,8 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
     preference : float, (n,) array or None
         Similarity of each point to itself: the larger, the more exemplars. None takes ``quantile``.
     quantile : float
-        Quantile of the similarities used as preference when ``preference`` is None; 0.5 is the median.
+        Quantile of the similarities used as preference when ``preference`` is None; 0.5 is the
+        median.
     damping : float
         Share of the old message kept in each iteration, at least 0.5, below 1.
     max_iter : int
@@ -47,8 +48,8 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
     convergence_iter : int
         Iterations without a change of the exemplars that count as converged.
     n_neighbors : int or None
-        Edges from each point in the sparse form, O(n n_neighbors) memory; None sends messages between
-        all points, O(n^2), up to 6000 points.
+        Edges from each point in the sparse form, O(n n_neighbors) memory; None sends messages
+        between all points, O(n^2), up to 6000 points.
     random_state : int, RandomState or None
         Source of the tiny noise that breaks ties.
 
@@ -67,12 +68,12 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
 
     Notes
     -----
-    After message passing every point belongs to its nearest exemplar, which in the sparse form need not
-    be one of its neighbours; then, as in scikit-learn but not in the paper, each cluster elects the
-    member with the largest sum of similarities, its preference included.
+    After message passing every point belongs to its nearest exemplar, which in the sparse form need
+    not be one of its neighbours; then, as in scikit-learn but not in the paper, each cluster elects
+    the member with the largest sum of similarities, its preference included.
     """
 
-    def __init__(  # noqa: PLR0913  # the interface of scikit-learn
+    def __init__(  # the interface of scikit-learn
         self,
         *,
         preference: float | ArrayLike | None = None,
@@ -91,7 +92,7 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         self.n_neighbors = n_neighbors
         self.random_state = random_state
 
-    def fit(self, X: ArrayLike, y: object = None) -> AffinityPropagation:  # noqa: ARG002
+    def fit(self, X: ArrayLike, y: object = None) -> AffinityPropagation:
         """Find exemplars among the rows of X.
 
         Parameters

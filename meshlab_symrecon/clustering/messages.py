@@ -2,8 +2,8 @@
 
 Notation of the paper: similarity ``s(i, k)``, responsibility ``r(i, k)``, availability ``a(i, k)``.
 The preference of point k is ``s(k, k)``. In the sparse form row i holds only the k-edges of a
-neighbour graph, **itself first**; sums and maxima run over the edges there are, so that one iteration
-takes O(edges) time and memory.
+neighbour graph, **itself first**; sums and maxima run over the edges there are, so that one
+iteration takes O(edges) time and memory.
 """
 
 from __future__ import annotations
@@ -94,8 +94,8 @@ def sparse_responsibilities(similarities: Floats, availabilities: Floats) -> Flo
     Parameters
     ----------
     similarities, availabilities : (n, k) float
-        ``s`` and ``a`` on the edges, the point itself first; k at least 2. An edge with ``s = -inf``
-        does not exist.
+        ``s`` and ``a`` on the edges, the point itself first; k at least 2. An edge with ``s =
+        -inf`` does not exist.
 
     Returns
     -------

@@ -61,8 +61,8 @@ def nearest_exemplars(rows: Floats, centres: Floats) -> Indices:
 def best_members(rows: Floats, preferences: Floats, exemplars: Indices) -> Indices:
     """Elect in each cluster the member with the largest sum of similarities.
 
-    The sum of squared distances to the members of a cluster needs only their number, mean and spread,
-    so that this takes O(n) time and memory.
+    The sum of squared distances to the members of a cluster needs only their number, mean and
+    spread, so that this takes O(n) time and memory.
 
     Parameters
     ----------

@@ -47,8 +47,8 @@ def local_spacing(points: Points, neighbours: int = 4) -> Floats:
 def without_outliers(points: Points, limit: float, rounds: int = 1, neighbours: int = 8) -> Indices:
     """Return the points that are not isolated.
 
-    A point is isolated when the mean distance to its neighbours exceeds ``limit`` times the median of
-    that distance. Scattered clutter makes its own neighbours, so the test may be repeated.
+    A point is isolated when the mean distance to its neighbours exceeds ``limit`` times the median
+    of that distance. Scattered clutter makes its own neighbours, so the test may be repeated.
 
     Parameters
     ----------

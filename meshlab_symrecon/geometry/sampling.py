@@ -30,8 +30,8 @@ def canonical_order(points: Points) -> Indices:
 def principal_frame(points: Points) -> tuple[Floats, Floats]:
     """Return the mean of a cloud and its principal axes.
 
-    Each axis points to the side of the heavier tail (positive third moment), so that the frame turns
-    with the cloud.
+    Each axis points to the side of the heavier tail (positive third moment), so that the frame
+    turns with the cloud.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def principal_frame(points: Points) -> tuple[Floats, Floats]:
 
 
 def voxel_labels(points: Points, size: float) -> tuple[Indices, int]:
-    """Number the occupied voxels of a cubic grid around the origin.
+    """Label points with the occupied voxels of a cubic grid around the origin.
 
     Parameters
     ----------
@@ -103,8 +103,9 @@ def voxel_means(values: Floats, labels: Indices, count: int) -> Floats:
 def thin_by_voxels(points: Points, target: int, probe: int = 20_000) -> tuple[Indices, int]:
     """Group a cloud into about ``target`` occupied voxels of one size.
 
-    A surface fills about ``size ** -2`` voxels, so a secant in the logarithms finds the size in a few
-    steps. Large clouds are sized on the grid itself only after a first guess on every n-th point.
+    A surface fills about ``size ** -2`` voxels, so a secant in the logarithms finds the size in a
+    few steps. Large clouds are sized on the grid itself only after a first guess on every n-th
+    point.
 
     Parameters
     ----------

@@ -14,7 +14,6 @@ from meshlab_symrecon.arrays import (
     Booleans,
     Floats,
     Indices,
-    Planes,
     Points,
     as_normals,
     as_planes,
@@ -104,7 +103,8 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
         ``gap`` not positive, or ``blend`` negative.
     """
     if not (np.isfinite(gap) and gap > 0.0):
-        raise ParameterError(f"gap must be a positive multiple of the spacing; got {gap!r}; use {GAP}")
+        message = f"gap must be a positive multiple of the spacing; got {gap!r}; use {GAP}"
+        raise ParameterError(message)
     if not (np.isfinite(blend) and blend >= 0.0):
         raise ParameterError(f"blend must be 0 or a positive length; got {blend!r}; use 0.06")
     measured = as_points(points)
@@ -140,7 +140,9 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
 def _attribute(values: ArrayLike, count: int, what: str) -> Floats:
     rows = np.array(values)
     if rows.ndim == 0 or len(rows) != count:
-        message = f"{what} must have one row a point, {count}; got shape {rows.shape}; leave them out"
+        message = (
+            f"{what} must have one row a point, {count}; got shape {rows.shape}; leave them out"
+        )
         raise GeometryError(message)
     return rows
 
@@ -190,8 +192,8 @@ def _lean(
 ) -> Points:
     """Move mirror images by the offset seen where they overlap what was measured, fading out.
 
-    Only the offset across the surface counts: along it, samples differ by chance, and at the rim of a
-    hole by how far the image lies beyond the rim.
+    Only the offset across the surface counts: along it, samples differ by chance, and at the rim of
+    a hole by how far the image lies beyond the rim.
     """
     distances, nearest = partners
     near = np.flatnonzero(distances < BLEND_OVERLAP * reach)

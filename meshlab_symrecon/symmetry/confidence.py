@@ -13,27 +13,29 @@ __all__ = ["believable", "confidence", "merit"]
 # twirl, and made shapes (mirrored and unmirrored bodies of bumps and of boxes, twisted prisms,
 # pinwheels, bent scans), under seven kinds of damage. The models and seeds of
 # benchmarks/symmetry_success.py are not among them, unless it says so.
-INTERCEPT = 3.7
-PER_AGREEMENT = 1.5
-PER_LOG_SUPPORT = 7.8
-PER_ROUGHNESS = 2330.0  # per diagonal: noise lowers agreement and support of true planes, too
-PER_LEAD = 0.59
-PER_CLEANNESS = 3.5
-PER_RESIDUAL = -900.0  # per diagonal
+INTERCEPT = 1.13
+PER_AGREEMENT = 1.18
+PER_LOG_SUPPORT = 6.6
+PER_ROUGHNESS = 2180.0  # per diagonal: noise lowers agreement and support of true planes, too
+PER_LEAD = 1.06
+PER_CLEANNESS = 4.24
+PER_RESIDUAL = -740.0  # per diagonal
 ENOUGH_SUPPORT = 0.4  # more only says that less is missing
 ENOUGH_ROUGHNESS = 0.002
-CONTRADICTION_SCALE = 0.015  # contradiction at which cleanness has fallen to 1 / e
+CONTRADICTION_SCALE = 0.003  # contradiction at which cleanness has fallen to 1 / e
+MOST_LEAD = 3.0
 RIVAL = 0.08  # agreement that a further plane may lack against the best one
+ENOUGH_SAMPLES = 100  # fewer match by chance: confidence falls in proportion
 NONE = 1e-3  # keeps logarithms finite
 
 
 def merit(evidence: Evidence) -> Floats:
-    """Return the merit by which planes are ordered before their confidence is known, (k,) floats."""
+    """Return the merit by which planes are ordered before their confidence is known."""
     ordering: Floats = 6.0 * evidence.agreement + 3.0 * np.log(evidence.support + NONE)
     return ordering
 
 
-def confidence(evidence: Evidence, roughness: float) -> Floats:
+def confidence(evidence: Evidence, roughness: float, count: int) -> Floats:
     """Return the chance that each plane is true.
 
     Parameters
@@ -42,6 +44,8 @@ def confidence(evidence: Evidence, roughness: float) -> Floats:
         All planes that were verified last; how far one leads the others tells, too.
     roughness : float
         Median deviation of the cloud from its local planes, in diagonals.
+    count : int
+        Number of samples that were compared.
 
     Returns
     -------
@@ -56,19 +60,19 @@ def confidence(evidence: Evidence, roughness: float) -> Floats:
         + PER_AGREEMENT * evidence.agreement
         + PER_LOG_SUPPORT * np.log(np.minimum(evidence.support, ENOUGH_SUPPORT) + NONE)
         + PER_ROUGHNESS * min(roughness, ENOUGH_ROUGHNESS)
-        + PER_LEAD * lead
+        + PER_LEAD * np.clip(lead, 0.0, MOST_LEAD)
         + PER_CLEANNESS * np.exp(-evidence.contradiction / CONTRADICTION_SCALE)
         + PER_RESIDUAL * evidence.residual
     )
-    chances: Floats = 1.0 / (1.0 + np.exp(-log_odds))
+    chances: Floats = min(1.0, count / ENOUGH_SAMPLES) / (1.0 + np.exp(-log_odds))
     return chances
 
 
 def believable(evidence: Evidence, chances: Floats, least: float) -> Booleans:
     """Tell which planes may be reported.
 
-    The best one needs the least chance; a further one also has to agree with the cloud nearly as well,
-    since planes near a true one, or of a nearly round body, come close to it in all else.
+    The best one needs the least chance; a further one also has to agree with the cloud nearly as
+    well, since planes near a true one, or of a nearly round body, come close to it in all else.
 
     Parameters
     ----------

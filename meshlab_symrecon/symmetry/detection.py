@@ -90,7 +90,7 @@ class DetectionOptions:
     """
 
     max_planes: int = 8
-    min_confidence: float = 0.7
+    min_confidence: float = 0.75
     sample_count: int = 1_200
 
     def __post_init__(self) -> None:
@@ -137,9 +137,10 @@ def detect_reflection_planes(
 ) -> ReflectionPlanes:
     """Find the planes across which an incomplete cloud is its own mirror image.
 
-    Pairs of even samples vote for planes, affinity propagation chooses exemplars among the candidates
-    in a space where distances are lengths, and each exemplar is refined against the cloud and
-    verified by it. The result follows every motion, scaling and permutation of the points.
+    Pairs of even samples vote for planes, affinity propagation chooses exemplars among the
+    candidates in a space where distances are lengths, and each exemplar is refined against the
+    cloud and verified by it. The result follows every motion, scaling and permutation of the
+    points.
 
     Parameters
     ----------
@@ -202,7 +203,7 @@ def verified_planes(
         report(0.7 + 0.1 * number, "refining and verifying planes")
         planes, evidence = _pass_stage(cloud, planes, evidence, stage)
     report(1.0, f"{len(planes)} planes verified")
-    chances = confidence(evidence, cloud.roughness)
+    chances = confidence(evidence, cloud.roughness, len(cloud.samples))
     order = np.argsort(-chances, kind="stable")
     planes = canonical_planes(_to_input(cloud, planes[order]))
     return Verified(planes, evidence.take(order), chances[order], converged)
@@ -231,9 +232,7 @@ def _exemplars(cloud: PreparedCloud, planes: Planes) -> tuple[Planes, bool]:
     similarities[similarities < -((LONGEST_EDGE * BANDWIDTH) ** 2)] = -np.inf
     likely = np.clip(votes / max(float(votes.max()), 1e-9), 0.0, 1.0)
     similarities[:, 0] = -PREFERENCE * BANDWIDTH**2 * (1.0 - 0.5 * likely)
-    found = propagate_sparse(
-        similarities, targets, DAMPING, MOST_ITERATIONS, CALM_ITERATIONS
-    )
+    found = propagate_sparse(similarities, targets, DAMPING, MOST_ITERATIONS, CALM_ITERATIONS)
     best = found.exemplars[np.argsort(-votes[found.exemplars], kind="stable")]
     return planes[best[:MOST_EXEMPLARS]], found.converged
 

@@ -12,11 +12,11 @@ __all__ = ["embed_planes"]
 def embed_planes(planes: Planes, root_covariance: Floats) -> Floats:
     """Embed planes so that distances are distances between mirror images.
 
-    For a cloud around the origin with covariance S the mirror images across (n, d) and (m, e) differ
-    by ``-2 (n n^T - m m^T) x + 2 (d n - e m)``; the mean of x vanishes, so the mean square over the
-    cloud is ``4 |(n n^T - m m^T) S^(1/2)|_F^2 + 4 |d n - e m|^2``. That is the squared Euclidean
-    distance of the 12 numbers ``2 (n n^T S^(1/2), d n)``. Both ways to write a plane give the same
-    numbers, and there is no seam.
+    For a cloud around the origin with covariance S the mirror images across (n, d) and (m, e)
+    differ by ``-2 (n n^T - m m^T) x + 2 (d n - e m)``; the mean of x vanishes, so the mean square
+    over the cloud is ``4 |(n n^T - m m^T) S^(1/2)|_F^2 + 4 |d n - e m|^2``. That is the squared
+    Euclidean distance of the 12 numbers ``2 (n n^T S^(1/2), d n)``. Both ways to write a plane give
+    the same numbers, and there is no seam.
 
     Parameters
     ----------

@@ -176,7 +176,7 @@ def _orient(points: Points, normals: Points, hints: Points | None) -> tuple[Poin
 
 
 def _distinctness(points: Points, normals: Points) -> Floats:
-    """Weigh samples down where unusually many others lie in their tangent plane: on a plinth, say."""
+    """Weigh samples down where unusually many others are coplanar: on a plinth, say."""
     places, directions = points[:LANDMARKS], normals[:LANDMARKS]
     heights = np.einsum("si,si->s", points, normals)[:, np.newaxis] - normals @ places.T
     coplanar = np.abs(heights) < COPLANAR

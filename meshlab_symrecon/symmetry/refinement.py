@@ -50,7 +50,8 @@ def refine_planes(
     """Move planes to where the mirrored queries fit the cloud best.
 
     Unknowns are two turns of the normal and the offset. The residual is the distance of a mirrored
-    query from the tangent plane at its partner, weighted by distance and by agreement of the normals.
+    query from the tangent plane at its partner, weighted by distance and by agreement of the
+    normals.
 
     Parameters
     ----------
@@ -117,7 +118,7 @@ def _normal_equations(
     residuals = np.einsum("kqi,kqi->kq", gaps, partner_normals)
 
     def slopes(targets: Floats, towards: Floats) -> Floats:
-        """Derivatives of ``targets . mirrored`` by the turns and the offset, (k, q, 3)."""
+        """Derive ``targets . mirrored`` by the turns and the offset, (k, q, 3)."""
         columns = [
             -2.0 * (heights * np.einsum("kqi,ki->kq", targets, axis) + (axis @ points.T) * towards)
             for axis in (first, second)

@@ -94,7 +94,9 @@ def test_quantiles_order_the_number_of_exemplars():
 def test_predict_returns_the_nearest_exemplar():
     rows = np.random.default_rng(6).normal(size=(120, 3))
     found = AffinityPropagation(n_neighbors=20).fit(rows)
-    assert np.array_equal(found.predict(found.cluster_centers_), np.arange(len(found.cluster_centers_)))
+    assert np.array_equal(
+        found.predict(found.cluster_centers_), np.arange(len(found.cluster_centers_))
+    )
 
 
 @pytest.mark.parametrize(

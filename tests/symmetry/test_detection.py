@@ -16,7 +16,7 @@ def turn(seed):
 
 
 def assert_same_plane(plane, expected, diagonal, centre, degrees, share):
-    """Angles differ by less than degrees, offsets at the centre by less than a share of the size."""
+    """Angles differ by less than degrees, offsets by less than a share of the diagonal."""
     assert np.degrees(plane_angles(plane[np.newaxis], expected)[0]) < degrees
     sign = np.sign(plane[:3] @ expected[:3])
     gap = sign * (plane[:3] @ centre + plane[3]) - (expected[:3] @ centre + expected[3])
@@ -28,7 +28,7 @@ def assert_same_plane(plane, expected, diagonal, centre, degrees, share):
 def test_plane_of_a_body_with_a_quarter_missing(shapes, seed, noise):
     rng = np.random.default_rng(seed)
     whole = shapes.blob(6_000, seed, mirrored=True)
-    direction = rng.normal(0, 0.3, 3) + [1.0, 0.0, 0.0]
+    direction = np.array([1.0, 0.0, 0.0]) + rng.normal(0, 0.3, 3)
     scan = shapes.bitten(whole, direction, 0.25)
     scan = scan + rng.normal(0, noise, scan.shape)
     found = detect_reflection_planes(scan)
@@ -122,7 +122,7 @@ DEGENERATE = {
 
 @pytest.mark.parametrize("case", DEGENERATE)
 def test_degenerate_clouds_are_refused_with_a_sentence(case):
-    with pytest.raises(GeometryError, match="detection of reflection planes needs .*; got .*; "):
+    with pytest.raises(GeometryError, match=r"detection of reflection planes needs .*; got .*; "):
         detect_reflection_planes(DEGENERATE[case])
 
 

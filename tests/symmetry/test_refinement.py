@@ -46,7 +46,11 @@ def test_a_plane_without_partners_stays():
     far = np.array([[1.0, 0.0, 0.0, -50.0]])
     tree = cKDTree(points)
     found = refine_planes(
-        far, (points, normals), (points, normals), lambda x: tree.query(x)[1], Schedule(5, 0.04, 0.01)
+        far,
+        (points, normals),
+        (points, normals),
+        lambda x: tree.query(x)[1],
+        Schedule(5, 0.04, 0.01),
     )
     assert np.array_equal(found, far)
 
