@@ -18,7 +18,7 @@ from meshlab_symrecon.plugin import (
     layer,
     spacing_multiple,
 )
-from meshlab_symrecon.symmetry.completion import mirror_complete
+from meshlab_symrecon.symmetry.completion import GAP, mirror_complete
 
 LABEL = "completed points"
 PLANES_LABEL = "reflection planes"
@@ -32,11 +32,16 @@ class Parameters(ParameterSet):
         "Planes",
         f"The layer whose rectangles are the mirror planes; -1 takes the newest '{PLANES_LABEL}'.",
     )
-    count: int = integer(
-        1, "Planes used", "How many planes of that layer to mirror across, from the first.", low=1
+    maxplanes: int = integer(
+        64,
+        "Most planes",
+        "How many planes of that layer to use, from the first: each completes what the ones "
+        "before it have left.",
+        low=1,
+        high=64,
     )
     gap: float = spacing_multiple(
-        1.5,
+        GAP,
         "Gap",
         "A mirrored point is added where no point is nearer than this.",
         low=0.1,
@@ -47,7 +52,7 @@ class Parameters(ParameterSet):
 def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
     """Complete the current layer's points across the planes of the planes layer."""
     source = layers.current
-    planes = _planes(layers, parameters)[: parameters.count]
+    planes = _planes(layers, parameters)[: parameters.maxplanes]
     completed = mirror_complete(
         source.points,
         planes,

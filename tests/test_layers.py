@@ -26,7 +26,7 @@ ALLOWED = {
     "filters": KERNEL | ALGORITHMS | {"plugin"},
     "host": BORDER | {"plugin"},
     "pictures": BORDER,
-    "cli": BORDER | {"plugin", "host"},
+    "cli": BORDER | {"plugin", "host", "pictures"},
     "": {"errors", "host", "plugin"},  # the package itself, lazily
 }
 

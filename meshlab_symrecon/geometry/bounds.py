@@ -58,7 +58,7 @@ def require_solid(points: Points, purpose: str, minimum: int = 5) -> None:
     """
     if len(points) < minimum:
         message = (
-            f"{purpose} needs at least {minimum} points not in one plane; got {len(points)}; "
+            f"{purpose} needs at least {minimum} points not in one plane; got {len(points)} points; "
             "load a fuller scan"
         )
         raise GeometryError(message)
@@ -71,7 +71,7 @@ def require_solid(points: Points, purpose: str, minimum: int = 5) -> None:
     if rank < 3:  # three dimensions
         shape = ("that all coincide", "on one line", "in one plane")[rank]
         message = (
-            f"{purpose} needs points not in one plane, since a flat cloud is its own mirror image; "
+            f"{purpose} needs at least {minimum} points not in one plane; "
             f"got {len(points)} points {shape}; scan the object from more sides"
         )
         raise GeometryError(message)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshlab_symrecon import _native
-from meshlab_symrecon.arrays import Booleans, Floats, Points, as_points
+from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points, as_points
 from meshlab_symrecon.errors import GeometryError
 
 __all__ = ["Triangulation", "circumcentres", "delaunay", "regular_triangulation"]
@@ -105,8 +105,14 @@ def regular_triangulation(
     return _triangulate(positions, _as_weights(weights, len(positions)), progress)
 
 
-def circumcentres(triangulation: Triangulation) -> Points:
+def circumcentres(triangulation: Triangulation, chosen: Indices | None = None) -> Points:
     """Return the centre of the ball through (orthogonal to) the four sites of every cell.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    chosen : (k,) int, optional
+        The cells wanted; all m without it.
 
     Returns
     -------
@@ -116,7 +122,8 @@ def circumcentres(triangulation: Triangulation) -> Points:
         cell is; very flat cells are evaluated in integers. A coordinate too large for a float is
         infinite.
     """
-    return _native.orthocentres(triangulation.sites, triangulation.weights, triangulation.cells)
+    cells = triangulation.cells if chosen is None else triangulation.cells[chosen]
+    return _native.orthocentres(triangulation.sites, triangulation.weights, cells)
 
 
 def _as_weights(values: ArrayLike, count: int) -> Floats:

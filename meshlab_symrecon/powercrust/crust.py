@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Faces, Floats, Indices, Points
 from meshlab_symrecon.geometry.triangulation import Triangulation, circumcentres
-from meshlab_symrecon.powercrust.poles import Poles
+from meshlab_symrecon.powercrust.poles import CUBE, Poles
 
 __all__ = ["WELD", "Crust", "crust_faces"]
 
@@ -59,9 +59,10 @@ def crust_faces(poles: Poles, diagram: Triangulation, inside: Booleans) -> Crust
     if not len(corners):
         return Crust(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64), 0)
     used, number = np.unique(corners, return_inverse=True)
-    shared = _shared_sample(poles, diagram, used)
-    vertices, replaced = _power_vertices(poles, diagram, used, shared)
-    faces = _fans(offsets.astype(np.int64), number.astype(np.int64))
+    cells = diagram.cells[used].astype(np.int64)
+    shared = _shared_sample(poles, cells)
+    vertices, replaced = _power_vertices(poles, diagram, used.astype(np.int64), shared)
+    faces = _fans(offsets, number.astype(np.int64))
     spacing = _local_spacing(poles, vertices)
     points, triangles = _native.contract_edges(
         vertices,
@@ -73,20 +74,18 @@ def crust_faces(poles: Poles, diagram: Triangulation, inside: Booleans) -> Crust
     return Crust(points, triangles.astype(np.int64), replaced)
 
 
-def _shared_sample(poles: Poles, diagram: Triangulation, used: Indices) -> Indices:
+def _shared_sample(poles: Poles, cells: Indices) -> Indices:
     """Return the sample that all four poles of a cell touch, or -1.
 
     Such a cell's power vertex *is* that sample: its power to all four balls is zero.
     """
-    balls = poles.samples[diagram.cells[used]]  # (k, 4 poles, 4 samples)
-    shared = np.full(len(used), -1, dtype=np.int64)
-    corner_count = len(poles.sites) - 8
+    balls = poles.samples[cells]  # (k, 4 poles, 4 samples)
+    shared = np.full(len(cells), -1, dtype=np.int64)
     for slot in range(4):
         candidate = balls[:, 0, slot]
         in_all = (balls[:, 1:] == candidate[:, None, None]).any(axis=2).all(axis=1)
-        shared[in_all & (candidate < corner_count) & (shared < 0)] = 0
-        chosen = in_all & (candidate < corner_count)
-        shared[chosen] = candidate[chosen]
+        in_all &= candidate < len(poles.sites) - len(CUBE)
+        shared[in_all] = candidate[in_all]
     return shared
 
 
@@ -95,15 +94,14 @@ def _power_vertices(
 ) -> tuple[Points, int]:
     """Return the positions of power vertices, and how many came from nearly flat cells."""
     cells = diagram.cells[used]
-    vertices = circumcentres(diagram)[used].copy()
+    vertices = circumcentres(diagram, used)
     at_sample = shared >= 0
     vertices[at_sample] = poles.sites[shared[at_sample]]
 
-    means = poles.sites[poles.samples[cells]].mean(axis=(1, 2))
-    radii = poles.radii[cells]
-    nearest = np.linalg.norm(vertices[:, None, :] - poles.centres[cells], axis=2) / radii
-    astray = ~(nearest.min(axis=1) <= REACH) & ~at_sample
-    vertices[astray] = means[astray]
+    distances = np.linalg.norm(vertices[:, None, :] - poles.centres[cells], axis=2)
+    reach = (distances / poles.radii[cells]).min(axis=1)
+    astray = ~(reach <= REACH) & ~at_sample  # a vertex at infinity compares as neither
+    vertices[astray] = poles.sites[poles.samples[cells[astray]]].mean(axis=(1, 2))
     return vertices, int(np.count_nonzero(astray))
 
 
@@ -118,8 +116,8 @@ def _fans(offsets: Indices, corners: Indices) -> Faces:
 
 def _local_spacing(poles: Poles, vertices: Points) -> Floats:
     """Return the distance to the next sample at the sample nearest to each vertex."""
-    samples = poles.sites[:-8]
+    samples = poles.sites[: -len(CUBE)]
     tree = cKDTree(samples)
-    distance = tree.query(samples, k=min(5, len(samples)))[0]
-    positive = np.where(distance > 0.0, distance, np.inf).min(axis=1)
-    return positive[tree.query(vertices)[1]]
+    apart = tree.query(samples, k=2)[0][:, 1]
+    spacing: Floats = apart[tree.query(vertices)[1]]
+    return spacing

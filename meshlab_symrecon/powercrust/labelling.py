@@ -24,7 +24,7 @@ from scipy.spatial import cKDTree
 
 from meshlab_symrecon.arrays import Booleans, Floats, Indices
 from meshlab_symrecon.geometry.triangulation import Triangulation
-from meshlab_symrecon.powercrust.poles import Poles
+from meshlab_symrecon.powercrust.poles import CUBE, Poles
 
 __all__ = ["Labels", "label_poles"]
 
@@ -141,7 +141,7 @@ def _pairs_at_samples(
     sample = poles.samples[used].ravel()
     order = np.argsort(sample, kind="stable")
     sample, pole = sample[order], np.repeat(used, 4)[order]
-    count = len(poles.sites) - 8
+    count = len(poles.sites) - len(CUBE)
     kept = np.searchsorted(sample, count)
     sample, pole = sample[:kept], pole[:kept]
     keys = []
@@ -191,7 +191,7 @@ def _doubt(poles: Poles) -> Floats:
     farther away than the next samples.  An outlier's cell is round, and says nothing.  Where noise
     makes most cells round, only those rounder than the median are doubted.
     """
-    samples = poles.sites[:-8]
+    samples = poles.sites[: -len(CUBE)]
     count = min(NEIGHBOURS + 1, len(samples))
     apart = cKDTree(samples).query(poles.sites[poles.pair_samples], k=count)[0]
     spacing = apart[:, 1:].mean(axis=1)

@@ -9,7 +9,7 @@ import numpy as np
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
 from meshlab_symrecon.geometry.triangulation import Triangulation, circumcentres
 
-__all__ = ["ENCLOSURE", "Poles", "enclose", "find_poles"]
+__all__ = ["CUBE", "ENCLOSURE", "Poles", "enclose", "find_poles"]
 
 FLAT = 1e-12  # of the spread of the poles
 CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)

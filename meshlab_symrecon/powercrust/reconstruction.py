@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshlab_symrecon.arrays import Faces, Floats, Points, as_points
-from meshlab_symrecon.errors import GeometryError
+from meshlab_symrecon.geometry.bounds import require_solid
 from meshlab_symrecon.geometry.surfaces import Topology, topology
 from meshlab_symrecon.geometry.triangulation import delaunay, regular_triangulation
 from meshlab_symrecon.powercrust.crust import crust_faces
@@ -22,7 +22,6 @@ from meshlab_symrecon.powercrust.poles import enclose, find_poles
 __all__ = ["PowerCrust", "reconstruct"]
 
 FEWEST = 5  # samples; four bound a tetrahedron that says nothing about a shape
-FLAT = 1e-9  # diagonals; a thinner cloud has no inside that rounding would not drown
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,22 +139,10 @@ def _normalised(points: Points) -> tuple[Points, Floats, float]:
     The scale is a power of two, so that scaling rounds nothing.  Lexicographic order makes the
     result the same, to the last bit, for any order of the points and any repetition.
     """
-    low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (0.0, 0.0)
-    extent = float(np.max(np.subtract(high, low)))
-    rank, thickness = 0, 0.0
-    if extent > 0.0:
-        spread = np.linalg.svd((points - points.mean(axis=0)) / extent, compute_uv=False)
-        spread = np.append(spread / np.sqrt(len(points)), np.zeros(3))[:3]
-        rank, thickness = int(np.count_nonzero(spread > FLAT)), float(spread[2])
-    if rank < 3 or len(points) < FEWEST:
-        message = (
-            f"power crust needs at least {FEWEST} points that are not in one plane; "
-            f"got {len(points)} points of rank {rank} (thickness {thickness:.1g} of the box); "
-            "check the scan's units and selection"
-        )
-        raise GeometryError(message)
-    centre = 0.5 * (low + high)
-    scale = float(2.0 ** -np.ceil(np.log2(extent)))
+    require_solid(points, "power crust", minimum=FEWEST)
+    low, high = points.min(axis=0), points.max(axis=0)
+    centre: Floats = 0.5 * (low + high)
+    scale = float(2.0 ** -np.ceil(np.log2((high - low).max())))
     moved = (points - centre) * scale
     moved = moved[np.lexsort(moved.T[::-1])]
     return moved[np.any(np.diff(moved, axis=0, prepend=np.inf) != 0.0, axis=1)], centre, scale

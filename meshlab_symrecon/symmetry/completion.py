@@ -21,14 +21,16 @@ from meshlab_symrecon.arrays import (
     as_points,
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
-from meshlab_symrecon.geometry.bounds import robust_diagonal
+from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
 from meshlab_symrecon.geometry.neighbours import local_spacing, principal_normals
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions
+from meshlab_symrecon.symmetry.coverage import covered
 
-__all__ = ["CompletedPoints", "mirror_complete"]
+__all__ = ["GAP", "CompletedPoints", "mirror_complete"]
 
 Progress: TypeAlias = Callable[[float, str], None]
 
+GAP = 1.25  # local spacings: nearer mirror images add nothing to what was measured
 SPACING_NEIGHBOURS = 4
 SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
 ISOLATED = 3.0  # medians of the distance to 8 neighbours: farther points are not copied
@@ -58,14 +60,15 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     colours: ArrayLike | None = None,
     quality: ArrayLike | None = None,
     *,
-    gap: float = 1.0,
+    gap: float = GAP,
     blend: float = 0.0,
     progress: Progress | None = None,
 ) -> CompletedPoints:
     """Fill the missing parts of a cloud with its own mirror images.
 
     A mirror image is added where nothing was measured: farther from every point so far than ``gap``
-    times the spacing there. Isolated points are not copied. Planes are used one after the other, each
+    times the spacing there, and over no measured surface that faces the same way (see
+    ``coverage``). Isolated points are not copied. Planes are used one after the other, each
     on the cloud completed so far, so that two planes fill four quarters from one.
 
     Parameters
@@ -101,10 +104,11 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
         ``gap`` not positive, or ``blend`` negative.
     """
     if not (np.isfinite(gap) and gap > 0.0):
-        raise ParameterError(f"gap must be a positive multiple of the spacing; got {gap!r}; use 1.0")
+        raise ParameterError(f"gap must be a positive multiple of the spacing; got {gap!r}; use {GAP}")
     if not (np.isfinite(blend) and blend >= 0.0):
         raise ParameterError(f"blend must be 0 or a positive length; got {blend!r}; use 0.06")
-    measured = as_points(points, minimum=2)
+    measured = as_points(points)
+    require_solid(measured, "mirror completion")
     mirrors = as_planes(np.atleast_2d(np.asarray(planes, dtype=np.float64)))
     count = len(measured)
     directions = None if normals is None else as_normals(normals, count)
@@ -115,7 +119,7 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     for step, plane in enumerate(mirrors):
         if progress is not None:
             progress(step / len(mirrors), "filling with mirror images")
-        added, origin = _fill(positions, plane, gap, blend)
+        added, origin = _fill(positions, directions, plane, gap, blend)
         positions = np.concatenate([positions, added])
         source = np.concatenate([source, source[origin]])
         if directions is not None:
@@ -141,20 +145,39 @@ def _attribute(values: ArrayLike, count: int, what: str) -> Floats:
     return rows
 
 
-def _fill(points: Points, plane: Floats, gap: float, blend: float) -> tuple[Points, Indices]:
+def _fill(
+    points: Points, normals: Points | None, plane: Floats, gap: float, blend: float
+) -> tuple[Points, Indices]:
     """Return the mirror images that fill gaps, and the points they are images of."""
     neighbourhood = local_spacing(points, 8)
     origin = np.flatnonzero(neighbourhood <= ISOLATED * np.median(neighbourhood))
     images = reflect(points[origin], plane)
     spacing = local_spacing(points, SPACING_NEIGHBOURS)
     low, high = (factor * float(np.median(spacing)) for factor in SPACING_RANGE)
+    size = robust_diagonal(points)
     tree = cKDTree(points)
     distances, nearest = tree.query(images)
     if blend > 0.0:
-        size = robust_diagonal(points)
         images = _lean(images, points, (distances, nearest), spacing[nearest], blend * size)
         distances, nearest = tree.query(images)
-    missing = distances > gap * np.clip(spacing[nearest], low, high)
+    reach = gap * np.clip(spacing[nearest], low, high)
+    missing = np.flatnonzero(distances > reach)
+    upright = principal_normals(points, points, NORMAL_NEIGHBOURS)[0]
+    directions = upright if normals is None else normals
+    facing = np.einsum(
+        "ij,ij->i",
+        reflect_directions(directions[origin[missing]], plane),
+        directions[nearest[missing]],
+    )
+    hovering = covered(
+        images[missing] - points[nearest[missing]],
+        upright[nearest[missing]],
+        facing,
+        reach[missing],
+        size,
+        outward=normals is not None,
+    )
+    missing = missing[~hovering]
     return images[missing], origin[missing]
 
 

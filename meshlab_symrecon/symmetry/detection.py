@@ -16,7 +16,7 @@ from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.geometry.bounds import require_solid
 from meshlab_symrecon.geometry.planes import canonical_planes, plane_angles
 from meshlab_symrecon.symmetry.candidates import vote
-from meshlab_symrecon.symmetry.confidence import log_odds, probability
+from meshlab_symrecon.symmetry.confidence import believable, confidence, merit
 from meshlab_symrecon.symmetry.embedding import embed_planes
 from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
 from meshlab_symrecon.symmetry.refinement import Lookup, Schedule, refine_planes
@@ -90,7 +90,7 @@ class DetectionOptions:
     """
 
     max_planes: int = 8
-    min_confidence: float = 0.5
+    min_confidence: float = 0.7
     sample_count: int = 1_200
 
     def __post_init__(self) -> None:
@@ -123,6 +123,7 @@ class Verified:
 
     planes: Planes  # (k, 4)
     evidence: Evidence
+    confidence: Floats  # (k,)
     converged: bool
 
 
@@ -165,13 +166,13 @@ def detect_reflection_planes(
     """
     options = DetectionOptions() if options is None else options
     found = verified_planes(points, normals, options=options, rng=rng, progress=progress)
-    confidence = probability(log_odds(found.evidence))
-    chosen = np.flatnonzero(confidence >= options.min_confidence)[: options.max_planes]
+    accepted = believable(found.evidence, found.confidence, options.min_confidence)
+    chosen = np.flatnonzero(accepted)[: options.max_planes]
     return ReflectionPlanes(
         planes=found.planes[chosen],
         support=found.evidence.support[chosen],
         residual=found.evidence.residual[chosen],
-        confidence=confidence[chosen],
+        confidence=found.confidence[chosen],
         converged=found.converged,
     )
 
@@ -201,7 +202,10 @@ def verified_planes(
         report(0.7 + 0.1 * number, "refining and verifying planes")
         planes, evidence = _pass_stage(cloud, planes, evidence, stage)
     report(1.0, f"{len(planes)} planes verified")
-    return Verified(canonical_planes(_to_input(cloud, planes)), evidence, converged)
+    chances = confidence(evidence, cloud.roughness)
+    order = np.argsort(-chances, kind="stable")
+    planes = canonical_planes(_to_input(cloud, planes[order]))
+    return Verified(planes, evidence.take(order), chances[order], converged)
 
 
 def _silent(fraction: float, message: str) -> None:
@@ -246,7 +250,7 @@ def _pass_stage(
     schedule = Schedule(stage.steps, np.maximum(stage.first, last), last)
     planes = refine_planes(planes, mirrored, surface, nearest, schedule)
     evidence = examine(planes, cloud, stage.queries, nearest, TOLERANCE)
-    kept = _distinct(planes, log_odds(evidence), stage.kept)
+    kept = _distinct(planes, merit(evidence), stage.kept)
     return planes[kept], evidence.take(kept)
 
 

@@ -14,7 +14,7 @@ __all__ = ["Evidence", "examine"]
 
 DIRECTION_RAMP = (np.cos(np.radians(40.0)), np.cos(np.radians(15.0)))  # no match .. full match
 SIDEWAYS = 2.5  # spacings: a partner farther along the surface than that is none
-LEAST_SIDEWAYS = 0.012  # diagonals
+LEAST_SIDEWAYS, MOST_SIDEWAYS = 0.012, 0.05  # diagonals
 NEAR_PLANE = 0.035  # diagonals: points nearer to the plane match themselves, and count less
 NO_MATCH = 0.05  # worth of a match below which a rim may excuse it
 RIM_REACH = 1.5  # a rim nearer than this multiple of the distance to the surface excuses it
@@ -99,7 +99,8 @@ def _examine(
     none, full = DIRECTION_RAMP
     matches = np.exp(-0.5 * off_squares / tolerance**2)
     matches *= np.clip((agreement - none) / (full - none), 0.0, 1.0)
-    matches[sideways > max(SIDEWAYS * cloud.spacing, LEAST_SIDEWAYS) ** 2] = 0.0
+    reach = np.clip(SIDEWAYS * cloud.spacing, LEAST_SIDEWAYS, MOST_SIDEWAYS)
+    matches[sideways > reach**2] = 0.0
     weights = np.minimum(1.0, np.abs(heights) / NEAR_PLANE)
     rim_near = cloud.border_distance[partners] <= RIM_REACH * distances
     far = (distances > FAR) & (distances < BEYOND) & ~rim_near

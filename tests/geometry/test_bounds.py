@@ -35,7 +35,7 @@ def test_flat_clouds_are_refused_at_any_scale_and_place(shape, scale, shift):
 
 @pytest.mark.parametrize("count", range(5))
 def test_too_few_points_are_refused(count):
-    with pytest.raises(GeometryError, match=f"got {count}; load"):
+    with pytest.raises(GeometryError, match=f"got {count} points; load"):
         require_solid(np.random.default_rng(2).random((count, 3)), "the test")
 
 

@@ -1,0 +1,153 @@
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from meshlab_symrecon.errors import GeometryError, ParameterError
+from meshlab_symrecon.geometry.planes import reflect
+from meshlab_symrecon.symmetry.completion import mirror_complete
+
+PLANE = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def sphere(count=4_000):
+    steps = np.arange(count) + 0.5
+    polar, turn = np.arccos(1 - 2 * steps / count), np.pi * (1 + 5**0.5) * steps
+    return np.stack(
+        [np.cos(turn) * np.sin(polar), np.sin(turn) * np.sin(polar), np.cos(polar)], axis=1
+    )
+
+
+@pytest.fixture
+def scan():
+    """Three quarters of a sphere: everything but x > 0.5 with z > 0."""
+    points = sphere()
+    return points[~((points[:, 0] > 0.2) & (points[:, 2] > 0))]
+
+
+def test_half_a_sphere_becomes_a_sphere():
+    whole = sphere()
+    half = whole[whole[:, 0] < 0]
+    found = mirror_complete(half, PLANE)
+    assert np.abs(np.linalg.norm(found.points, axis=1) - 1).max() < 1e-12
+    assert len(found.points) == pytest.approx(len(whole), rel=0.02)
+    spacing = np.sqrt(4 * np.pi / len(whole))
+    assert cKDTree(found.points).query(whole)[0].max() < 1.5 * spacing
+
+
+def test_a_quarter_of_a_box_is_completed_by_two_planes():
+    rng = np.random.default_rng(0)
+    faces = rng.integers(0, 3, 9_000)
+    box = rng.uniform(-1, 1, size=(9_000, 3))
+    box[np.arange(9_000), faces] = rng.choice([-1.0, 1.0], 9_000)
+    quarter = box[(box[:, 0] < 0) & (box[:, 1] < 0)]
+    found = mirror_complete(quarter, [[1.0, 0, 0, 0], [0, 1.0, 0, 0]])
+    assert cKDTree(found.points).query(box)[0].max() < 0.25
+    assert len(found.points) > 3.2 * len(quarter)
+    folded = -np.abs(found.points[:, :2])
+    assert np.allclose(folded, quarter[found.source, :2], atol=1e-12)
+
+
+def test_measured_points_come_first_bit_for_bit(scan):
+    scan = (scan * 1e3 + 0.1).astype(np.float32)
+    before = scan.copy()
+    plane = np.array([1.0, 0, 0, -0.1])
+    for blend in (0.0, 0.1):
+        found = mirror_complete(scan, plane, blend=blend)
+        count = len(scan)
+        assert np.array_equal(found.points[:count], scan.astype(np.float64))
+        assert np.array_equal(found.mirrored, np.arange(len(found.points)) >= count)
+        assert np.array_equal(found.source[:count], np.arange(count))
+        assert found.mirrored.any()
+    assert np.array_equal(scan, before)
+
+
+def test_only_what_is_missing_is_filled(scan):
+    found = mirror_complete(scan, PLANE)
+    spacing = np.sqrt(4 * np.pi / 4_000)
+    new = found.points[found.mirrored]
+    assert cKDTree(scan).query(new)[0].min() > 0.5 * spacing
+    assert (new[:, 0] > 0.2 - 2 * spacing).mean() > 0.97
+    missing = sphere()
+    missing = missing[(missing[:, 0] > 0.2) & (missing[:, 2] > 0)]
+    assert cKDTree(new).query(missing)[0].max() < 2 * spacing
+
+
+def test_a_whole_cloud_gets_nothing():
+    half = sphere()[sphere()[:, 0] < 0]
+    whole = np.vstack([half, reflect(half, PLANE)])
+    found = mirror_complete(whole, PLANE)
+    assert not found.mirrored.any()
+    assert np.array_equal(found.points, whole)
+
+
+def test_no_planes_add_nothing(scan):
+    found = mirror_complete(scan, np.zeros((0, 4)))
+    assert np.array_equal(found.points, scan)
+    assert not found.mirrored.any()
+
+
+def test_attributes_follow_their_points(scan):
+    plane = np.array([2.0, 0.0, 0.0, 0.0])  # need not be of unit length
+    colours = np.random.default_rng(1).integers(0, 256, size=(len(scan), 4)).astype(np.uint8)
+    quality = np.arange(float(len(scan)))
+    found = mirror_complete(scan, plane, scan, colours, quality)
+    assert np.allclose(found.normals, found.points, atol=1e-12)  # a sphere: outward stays outward
+    assert np.array_equal(found.colours, colours[found.source])
+    assert found.colours.dtype == np.uint8
+    assert np.array_equal(found.quality, quality[found.source])
+    images = reflect(scan[found.source[found.mirrored]], PLANE)
+    assert np.array_equal(found.points[found.mirrored], images)
+
+
+def test_outliers_are_not_copied(scan):
+    far = np.array([[-3.0, 0.0, 0.0], [-3.0, 2.0, 1.0]])
+    found = mirror_complete(np.vstack([scan, far]), PLANE)
+    assert not np.isin(found.source[found.mirrored], [len(scan), len(scan) + 1]).any()
+
+
+def test_blend_closes_the_step_at_the_seam(scan):
+    tilted = np.array([1.0, 0.0, 0.0, -0.01])  # mirror images stand off the sphere by up to 0.02
+    plain = mirror_complete(scan, tilted)
+    leaning = mirror_complete(scan, tilted, blend=0.06)
+
+    def step(found):
+        new = found.points[found.mirrored]
+        seam = cKDTree(scan).query(new)[0] < 0.12
+        return np.abs(np.linalg.norm(new[seam], axis=1) - 1).mean()
+
+    assert step(leaning) < 0.5 * step(plain)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e6])
+def test_completion_follows_scale(scan, scale):
+    at_rest = mirror_complete(scan, PLANE)
+    scaled = mirror_complete(scan * scale, PLANE)
+    assert np.array_equal(scaled.source, at_rest.source)
+    assert np.allclose(scaled.points, at_rest.points * scale, rtol=1e-12)
+
+
+def test_progress_is_reported_to_its_end(scan):
+    calls = []
+    mirror_complete(scan, np.eye(4)[:2], progress=lambda *call: calls.append(call))
+    fractions = [fraction for fraction, _ in calls]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error"),
+    [
+        ({"gap": 0.0}, ParameterError),
+        ({"gap": float("nan")}, ParameterError),
+        ({"blend": -1.0}, ParameterError),
+        ({"planes": [[0.0, 0.0, 0.0, 1.0]]}, GeometryError),
+        ({"normals": np.zeros((3, 3))}, GeometryError),
+        ({"colours": np.zeros((3, 4))}, GeometryError),
+        ({"quality": 1.0}, GeometryError),
+        ({"points": np.zeros((1, 3))}, GeometryError),
+    ],
+    ids=lambda value: str(value)[:20],
+)
+def test_wrong_input_is_refused(scan, wrong, error):
+    with pytest.raises(error):
+        mirror_complete(**{"points": scan, "planes": PLANE, **wrong})
