@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import sys
 
@@ -15,6 +16,7 @@ from meshlab_symrecon.errors import GeometryError
 from meshlab_symrecon.host.files import load
 from meshlab_symrecon.host.meshset import read_layer
 from meshlab_symrecon.host.registration import load_plugins, unload_plugins
+from meshlab_symrecon.pictures import main_job
 
 
 def only_layer(path):
@@ -32,7 +34,7 @@ def done(scans, tmp_path_factory):
         [
             sys.executable, "-m", "meshlab_symrecon.cli.main", "reconstruct",
             scans / "statue 1.ply", "-o", folder / "the statue.ply", "--project", folder / "p.mlp",
-            "--json", folder / "r.json", "--seed", "3", "--preview", folder / "p.png",
+            "--json", folder / "r.json", "--seed", "3",
         ],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
@@ -56,9 +58,8 @@ def test_nothing_else_is_left(done):
     folder, _ = done
     assert sorted(path.name for path in folder.iterdir()) == [
         "p-completed-points.ply", "p-reflection-planes.ply", "p-scan.ply", "p-surface.ply",
-        "p.mlp", "p.png", "r.json", "the statue.ply",
+        "p.mlp", "r.json", "the statue.ply",
     ]  # fmt: skip
-    assert (folder / "p.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_the_report_is_the_contracts(done, plane):
@@ -134,7 +135,7 @@ def test_equal_seeds_give_equal_bytes(run, done, statue, tmp_path):
 def test_without_a_plane_it_closes_what_was_measured(shell, lopsided, tmp_path):
     ended = shell(
         "reconstruct", lopsided, "-o", tmp_path / "a.ply", "--json", tmp_path / "a.json",
-        "--project", tmp_path / "p.mlp", "--preview", tmp_path / "p.png",
+        "--project", tmp_path / "p.mlp",
     )  # fmt: skip
     assert ended.returncode == 0, ended.stderr
     (warning,) = ended.stderr.splitlines()
@@ -145,7 +146,7 @@ def test_without_a_plane_it_closes_what_was_measured(shell, lopsided, tmp_path):
     assert report["mirrored"] == 0
     assert report["surface"]["closed"] is True
     names = {path.name for path in tmp_path.iterdir()}
-    assert names == {"a.ply", "a.json", "p.mlp", "p-scan.ply", "p-surface.ply", "p.png"}
+    assert names == {"a.ply", "a.json", "p.mlp", "p-scan.ply", "p-surface.ply"}
 
 
 @pytest.mark.parametrize(
@@ -173,6 +174,35 @@ def test_bad_outputs_are_refused_before_the_work(run, statue, tmp_path, monkeypa
     assert len(result.stderr.splitlines()) == 1
     assert list(tmp_path.iterdir()) == []
     assert statue.read_bytes() == before
+
+
+@pytest.mark.parametrize("name", ["statue", "lopsided"])
+def test_the_preview_gets_every_layer(run, request, tmp_path, monkeypatch, name):
+    """Drawing takes seconds and has its own tests; what it is given is looked at here."""
+    declared = inspect.signature(main_job.main_job_picture)
+    given = []
+
+    def draw(*positional, **named):
+        given.append(declared.bind(*positional, **named).arguments)
+        given[0]["path"].write_bytes(b"drawn")
+
+    monkeypatch.setattr(main_job, "main_job_picture", draw)
+    scan, output = request.getfixturevalue(name), tmp_path / "a.ply"
+    result = run("reconstruct", scan, "-o", output, "--preview", tmp_path / "a.PNG")
+    assert result.exit_code == 0, result.stderr
+    assert (tmp_path / "a.PNG").read_bytes() == b"drawn"
+    (seen,) = given
+    measured, surface = only_layer(scan).points, only_layer(output)
+    assert np.array_equal(seen["scan_points"], measured)
+    assert len(seen["planes"]) == (1 if name == "statue" else 0)
+    assert np.array_equal(seen["completed_points"][: len(measured)], measured)
+    assert not seen["mirrored_mask"][: len(measured)].any()
+    assert seen["mirrored_mask"][len(measured) :].all()
+    assert len(seen["mirrored_mask"]) == len(seen["completed_points"])
+    assert np.array_equal(seen["surface_points"], surface.points)
+    assert np.array_equal(seen["surface_faces"], surface.faces)
+    assert len(seen["surface_share_invented"]) == len(surface.points)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.PNG", "a.ply"]
 
 
 def test_a_preview_without_matplotlib_is_refused_first(run, statue, tmp_path, monkeypatch):

@@ -20,7 +20,6 @@ from meshlab_symrecon.errors import (
 from meshlab_symrecon.host import old_names, resolution
 from meshlab_symrecon.host.mlx import read_script, step_of, write_script
 from meshlab_symrecon.host.native_filters import (
-    NativeFilter,
     find_native,
     is_native,
     native_filters,
@@ -345,10 +344,10 @@ def test_a_cloud_is_not_deleted_by_cleaning(tmp_path, cloud_set):
 
 def test_files_that_a_script_reads_are_looked_for_first(tmp_path, monkeypatch, installed, sphere):
     """No filter of today's table reads a file; one that does stands in."""
-    reader = NativeFilter(
-        "apply_reading", "Read File", (NativeParameter("file", "File", "RichOpenFile"),),
-        frozenset(), False,
-    )  # fmt: skip
+    parameters = (NativeParameter("file", "File", "RichOpenFile"),)
+    reader = replace(
+        find_native("meshing_close_holes"), menu_name="Read File", parameters=parameters
+    )
     monkeypatch.setattr(resolution, "is_native", lambda name: name == "Read File")
     monkeypatch.setattr(resolution, "find_native", lambda name: reader)
     path = written(
