@@ -58,8 +58,8 @@ def require_solid(points: Points, purpose: str, minimum: int = 5) -> None:
     """
     if len(points) < minimum:
         message = (
-            f"{purpose} needs at least {minimum} points not in one plane; got {len(points)} points; "
-            "load a fuller scan"
+            f"{purpose} needs at least {minimum} points not in one plane; "
+            f"got {len(points)} points; load a fuller scan"
         )
         raise GeometryError(message)
     centred = points - points.mean(axis=0)

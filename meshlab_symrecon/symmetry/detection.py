@@ -226,7 +226,7 @@ def _exemplars(cloud: PreparedCloud, planes: Planes) -> tuple[Planes, bool]:
     cells = np.floor(places / (THINNING * BANDWIDTH)).astype(np.int64)
     first = np.sort(np.unique(cells, axis=0, return_index=True)[1])[:MOST_CLUSTERED]
     places, planes, votes = places[first], planes[order][first], votes[order][first]
-    if len(planes) < 3:  # noqa: PLR2004  # messages need a choice
+    if len(planes) < 3:  # messages need a choice
         return planes, True
     similarities, targets = neighbour_graph(places, NEIGHBOURS)
     similarities[similarities < -((LONGEST_EDGE * BANDWIDTH) ** 2)] = -np.inf

@@ -103,8 +103,16 @@ STOLEN = """<!DOCTYPE FilterScript [<!ENTITY a SYSTEM "file:///etc/passwd">]>
         (inside("\n<Param type='RichInt' value='1'/>"), 2, "has no name"),
         (inside("\n<Param name='n' value='1'/>"), 2, "'n' has no type"),
         (inside("\n<xmlparam name='n' value='1'/>"), 2, "<xmlparam> has no place inside <filter>"),
-        (inside("<Param type='RichInt' name='n'/>\n<Param type='RichInt' name='N'/>"), 2, "'N' is given twice"),
-        (inside("<Param type='RichInt' name='n'>\n<Param/></Param>"), 2, "<Param> has no place inside <param>"),
+        (
+            inside("<Param type='RichInt' name='n'/>\n<Param type='RichInt' name='N'/>"),
+            2,
+            "'N' is given twice",
+        ),
+        (
+            inside("<Param type='RichInt' name='n'>\n<Param/></Param>"),
+            2,
+            "<Param> has no place inside <param>",
+        ),
     ],
 )  # fmt: skip
 def test_bad_scripts_are_named_with_their_line(tmp_path, content, line, words):
