@@ -35,7 +35,7 @@ class Scan:
     radii: tuple[float, float, float]  # of the gap, before it is made ragged
     turn: tuple[float, float, float]  # pose: degrees about y, x, z
     shift: tuple[float, float, float]
-    noise: float = 0.0004  # of the box diagonal, along the normal
+    noise: float = 0.0002  # of the box diagonal, along the normal
     seed: int = 1
 
 

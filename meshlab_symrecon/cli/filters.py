@@ -18,12 +18,18 @@ WIDTH_IN_A_PIPE = 1000  # columns; nothing is cut off there
 @click.argument("name", required=False)
 @click.option("--all", "every", is_flag=True, help="List MeshLab's own filters too.")
 @click.option("--json", "as_json", is_flag=True, help="Print every declared fact as JSON.")
-def filters(name: str | None, every: bool, as_json: bool) -> None:
+@click.option("--markdown", is_flag=True, help="Print the docs page of our filters.")
+def filters(name: str | None, every: bool, as_json: bool, markdown: bool) -> None:
     """List the filters, or show one by any of its NAMEs."""
     from meshlab_symrecon.host.native_filters import native_filters
     from meshlab_symrecon.host.registration import registry
     from meshlab_symrecon.host.resolution import find_any
 
+    if markdown:
+        from meshlab_symrecon.plugin.documentation import filters_page
+
+        click.echo(filters_page(registry() if name is None else [registry().find(name)]), nl=False)
+        return
     if name is not None:
         item = find_any(name)
         click.echo(_as_json(_facts(item)) if as_json else _page(item))

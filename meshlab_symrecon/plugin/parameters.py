@@ -152,11 +152,11 @@ class Parameter:
         if self.kind is Kind.CHOICE:
             return "one of " + ", ".join(repr(word) for word in self.choices)
         if self.low is not None and self.high is not None:
-            return f"{self.kind.words} from {self.low:g} to {self.high:g}"
+            return f"{self.kind.words} from {self.low:.12g} to {self.high:.12g}"
         if self.low is not None:
-            return f"{self.kind.words} of at least {self.low:g}"
+            return f"{self.kind.words} of at least {self.low:.12g}"
         if self.high is not None:
-            return f"{self.kind.words} of at most {self.high:g}"
+            return f"{self.kind.words} of at most {self.high:.12g}"
         return self.kind.words
 
     def _whole(self, value: object) -> int:
