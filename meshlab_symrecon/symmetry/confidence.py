@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshlab_symrecon.arrays import Booleans, Floats
+from meshlab_symrecon.arrays import Booleans, Floats, Planes
+from meshlab_symrecon.geometry.planes import plane_angles
 from meshlab_symrecon.symmetry.verification import Evidence
 
-__all__ = ["believable", "confidence", "merit"]
+__all__ = ["believable", "confidence", "family_sizes", "merit"]
 
 # Logistic regression on 2,100 verified planes of 227 incomplete clouds: six scanned models, bunny,
 # twirl, and made shapes (mirrored and unmirrored bodies of bumps and of boxes, twisted prisms,
@@ -24,7 +25,11 @@ ENOUGH_SUPPORT = 0.4  # more only says that less is missing
 ENOUGH_ROUGHNESS = 0.002
 CONTRADICTION_SCALE = 0.003  # contradiction at which cleanness has fallen to 1 / e
 MOST_LEAD = 3.0
-RIVAL = 0.08  # agreement that a further plane may lack against the best one
+RIVALS = 9
+FAMILY_ANGLE = np.radians(15.0)
+FAMILY_SUPPORT = 0.8
+FULL_AGREEMENT = 0.95
+RIVAL = 0.05  # agreement that a further plane may lack against the best one
 ENOUGH_SAMPLES = 100  # fewer match by chance: confidence falls in proportion
 NONE = 1e-3  # keeps logarithms finite
 
@@ -53,8 +58,7 @@ def confidence(evidence: Evidence, roughness: float, count: int) -> Floats:
         Chances, 0 to 1.
     """
     ordering = merit(evidence)
-    others = max(1, len(ordering) - 1)
-    lead = ordering - (ordering.sum() - ordering) / others if len(ordering) > 1 else 0.0 * ordering
+    lead = _lead(ordering)
     log_odds = (
         INTERCEPT
         + PER_AGREEMENT * evidence.agreement
@@ -66,6 +70,44 @@ def confidence(evidence: Evidence, roughness: float, count: int) -> Floats:
     )
     chances: Floats = min(1.0, count / ENOUGH_SAMPLES) / (1.0 + np.exp(-log_odds))
     return chances
+
+
+def family_sizes(planes: Planes, evidence: Evidence) -> Floats:
+    """Count the planes among which a plane cannot be told from its neighbours.
+
+    A vase with a handle is nearly a body of revolution: planes through its axis agree with it
+    nearly as well as the one through the handle. Where all is in agreement they are true planes,
+    and do not count.
+
+    Parameters
+    ----------
+    planes : (k, 4) float
+        Planes that differ.
+    evidence : Evidence
+        What speaks for them.
+
+    Returns
+    -------
+    (k,) float
+        1 for a plane that stands alone.
+    """
+    sizes = np.ones(len(planes))
+    for row, plane in enumerate(planes):
+        if evidence.agreement[row] < FULL_AGREEMENT:
+            beside = plane_angles(planes, plane) < FAMILY_ANGLE
+            beside &= evidence.agreement >= evidence.agreement[row] - RIVAL
+            beside &= evidence.support >= FAMILY_SUPPORT * evidence.support[row]
+            sizes[row] = np.count_nonzero(beside)
+    return sizes
+
+
+def _lead(ordering: Floats) -> Floats:
+    """Return how far each plane leads the mean of the nine best others."""
+    best = np.argsort(-ordering, kind="stable")[: RIVALS + 1]
+    inside = np.isin(np.arange(len(ordering)), best)
+    sums = ordering[best].sum() - np.where(inside, ordering, ordering[best].min(initial=np.inf))
+    lead: Floats = ordering - sums / max(1, len(best) - 1)
+    return lead if len(ordering) > 1 else np.zeros_like(ordering)
 
 
 def believable(evidence: Evidence, chances: Floats, least: float) -> Booleans:
