@@ -14,19 +14,18 @@ __all__ = ["believable", "confidence", "family_sizes", "merit"]
 # twirl, and made shapes (mirrored and unmirrored bodies of bumps and of boxes, twisted prisms,
 # pinwheels, bent scans), under seven kinds of damage. The models and seeds of
 # benchmarks/symmetry_success.py are not among them, unless it says so.
-INTERCEPT = 1.13
-PER_AGREEMENT = 1.18
-PER_LOG_SUPPORT = 6.6
-PER_ROUGHNESS = 2180.0  # per diagonal: noise lowers agreement and support of true planes, too
-PER_LEAD = 1.06
-PER_CLEANNESS = 4.24
-PER_RESIDUAL = -740.0  # per diagonal
+INTERCEPT = 2.1
+PER_LOG_SUPPORT = 6.7
+PER_ROUGHNESS = 2150.0  # per diagonal: noise lowers agreement and support of true planes, too
+PER_LEAD = 1.08
+PER_CLEANNESS = 4.43
+PER_RESIDUAL = -860.0  # per diagonal
 ENOUGH_SUPPORT = 0.4  # more only says that less is missing
 ENOUGH_ROUGHNESS = 0.002
-CONTRADICTION_SCALE = 0.003  # contradiction at which cleanness has fallen to 1 / e
+CONTRADICTION_SCALE = 0.006  # contradiction at which cleanness has fallen to 1 / e
 MOST_LEAD = 3.0
 RIVALS = 9
-FAMILY_ANGLE = np.radians(15.0)
+FAMILY_ANGLES = np.radians([8.0, 20.0])  # nearer ones are variants of the same plane
 FAMILY_SUPPORT = 0.8
 FULL_AGREEMENT = 0.95
 RIVAL = 0.05  # agreement that a further plane may lack against the best one
@@ -61,7 +60,6 @@ def confidence(evidence: Evidence, roughness: float, count: int) -> Floats:
     lead = _lead(ordering)
     log_odds = (
         INTERCEPT
-        + PER_AGREEMENT * evidence.agreement
         + PER_LOG_SUPPORT * np.log(np.minimum(evidence.support, ENOUGH_SUPPORT) + NONE)
         + PER_ROUGHNESS * min(roughness, ENOUGH_ROUGHNESS)
         + PER_LEAD * np.clip(lead, 0.0, MOST_LEAD)
@@ -94,10 +92,11 @@ def family_sizes(planes: Planes, evidence: Evidence) -> Floats:
     sizes = np.ones(len(planes))
     for row, plane in enumerate(planes):
         if evidence.agreement[row] < FULL_AGREEMENT:
-            beside = plane_angles(planes, plane) < FAMILY_ANGLE
+            angles = plane_angles(planes, plane)
+            beside = (angles > FAMILY_ANGLES[0]) & (angles < FAMILY_ANGLES[1])
             beside &= evidence.agreement >= evidence.agreement[row] - RIVAL
             beside &= evidence.support >= FAMILY_SUPPORT * evidence.support[row]
-            sizes[row] = np.count_nonzero(beside)
+            sizes[row] += np.count_nonzero(beside)
     return sizes
 
 
@@ -113,7 +112,7 @@ def _lead(ordering: Floats) -> Floats:
 def believable(evidence: Evidence, chances: Floats, least: float) -> Booleans:
     """Tell which planes may be reported.
 
-    The best one needs the least chance; a further one also has to agree with the cloud nearly as
+    The best one needs the least confidence; a further one also has to agree with the cloud nearly as
     well, since planes near a true one, or of a nearly round body, come close to it in all else.
 
     Parameters
