@@ -23,7 +23,7 @@ from meshlab_symrecon.arrays import (
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
 from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
-from meshlab_symrecon.geometry.neighbours import local_spacing, principal_normals
+from meshlab_symrecon.geometry.neighbours import principal_normals
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions
 from meshlab_symrecon.symmetry.coverage import covered
 
@@ -36,7 +36,8 @@ SPACING_NEIGHBOURS = 4
 SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
 SMALLEST_PATCH = 12  # images: fewer together are no hole
 PATCH_REACH = 1.5  # gaps between neighbours in a patch
-ISOLATED = 3.0  # medians of the distance to 8 neighbours: farther points are not copied
+ISOLATION_NEIGHBOURS = 8
+ISOLATED = 3.0  # medians of the mean distance to them: farther points are not copied
 BLEND_OVERLAP = 0.5  # reaches of the blend: nearer mirror images show the offset
 BESIDE = 1.0  # spacings: a mirror image farther along the surface from its partner shows nothing
 NORMAL_NEIGHBOURS = 16
@@ -155,13 +156,14 @@ def _fill(
     points: Points, normals: Points | None, plane: Floats, gap: float, blend: float
 ) -> tuple[Points, Indices]:
     """Return the mirror images that fill gaps, and the points they are images of."""
-    neighbourhood = local_spacing(points, 8)
-    origin = np.flatnonzero(neighbourhood <= ISOLATED * np.median(neighbourhood))
-    images = reflect(points[origin], plane)
-    spacing = local_spacing(points, SPACING_NEIGHBOURS)
-    low, high = (factor * float(np.median(spacing)) for factor in SPACING_RANGE)
     size = robust_diagonal(points)
     tree = cKDTree(points)
+    around = tree.query(points, k=min(ISOLATION_NEIGHBOURS + 1, len(points)))[0][:, 1:]
+    isolation = around.mean(axis=1)
+    origin = np.flatnonzero(isolation <= ISOLATED * np.median(isolation))
+    images = reflect(points[origin], plane)
+    spacing = around[:, :SPACING_NEIGHBOURS].mean(axis=1)
+    low, high = (factor * float(np.median(spacing)) for factor in SPACING_RANGE)
     distances, nearest = tree.query(images)
     if blend > 0.0:
         images = _lean(images, points, (distances, nearest), spacing[nearest], blend * size)

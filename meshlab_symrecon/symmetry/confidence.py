@@ -4,27 +4,31 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshlab_symrecon.arrays import Booleans, Floats
+from meshlab_symrecon.arrays import Booleans, Floats, Planes
+from meshlab_symrecon.geometry.planes import plane_angles
 from meshlab_symrecon.symmetry.verification import Evidence
 
-__all__ = ["believable", "confidence", "merit"]
+__all__ = ["believable", "confidence", "family_sizes", "merit"]
 
 # Logistic regression on 2,100 verified planes of 227 incomplete clouds: six scanned models, bunny,
 # twirl, and made shapes (mirrored and unmirrored bodies of bumps and of boxes, twisted prisms,
 # pinwheels, bent scans), under seven kinds of damage. The models and seeds of
 # benchmarks/symmetry_success.py are not among them, unless it says so.
-INTERCEPT = 1.13
-PER_AGREEMENT = 1.18
-PER_LOG_SUPPORT = 6.6
-PER_ROUGHNESS = 2180.0  # per diagonal: noise lowers agreement and support of true planes, too
-PER_LEAD = 1.06
-PER_CLEANNESS = 4.24
-PER_RESIDUAL = -740.0  # per diagonal
+INTERCEPT = 2.1
+PER_LOG_SUPPORT = 6.7
+PER_ROUGHNESS = 2150.0  # per diagonal: noise lowers agreement and support of true planes, too
+PER_LEAD = 1.08
+PER_CLEANNESS = 4.43
+PER_RESIDUAL = -860.0  # per diagonal
 ENOUGH_SUPPORT = 0.4  # more only says that less is missing
 ENOUGH_ROUGHNESS = 0.002
-CONTRADICTION_SCALE = 0.003  # contradiction at which cleanness has fallen to 1 / e
+CONTRADICTION_SCALE = 0.006  # contradiction at which cleanness has fallen to 1 / e
 MOST_LEAD = 3.0
-RIVAL = 0.08  # agreement that a further plane may lack against the best one
+RIVALS = 9
+FAMILY_ANGLES = np.radians([8.0, 20.0])  # nearer ones are variants of the same plane
+FAMILY_SUPPORT = 0.8
+FULL_AGREEMENT = 0.95
+RIVAL = 0.05  # agreement that a further plane may lack against the best one
 ENOUGH_SAMPLES = 100  # fewer match by chance: confidence falls in proportion
 NONE = 1e-3  # keeps logarithms finite
 
@@ -53,11 +57,9 @@ def confidence(evidence: Evidence, roughness: float, count: int) -> Floats:
         Chances, 0 to 1.
     """
     ordering = merit(evidence)
-    others = max(1, len(ordering) - 1)
-    lead = ordering - (ordering.sum() - ordering) / others if len(ordering) > 1 else 0.0 * ordering
+    lead = _lead(ordering)
     log_odds = (
         INTERCEPT
-        + PER_AGREEMENT * evidence.agreement
         + PER_LOG_SUPPORT * np.log(np.minimum(evidence.support, ENOUGH_SUPPORT) + NONE)
         + PER_ROUGHNESS * min(roughness, ENOUGH_ROUGHNESS)
         + PER_LEAD * np.clip(lead, 0.0, MOST_LEAD)
@@ -68,10 +70,49 @@ def confidence(evidence: Evidence, roughness: float, count: int) -> Floats:
     return chances
 
 
+def family_sizes(planes: Planes, evidence: Evidence) -> Floats:
+    """Count the planes among which a plane cannot be told from its neighbours.
+
+    A vase with a handle is nearly a body of revolution: planes through its axis agree with it
+    nearly as well as the one through the handle. Where all is in agreement they are true planes,
+    and do not count.
+
+    Parameters
+    ----------
+    planes : (k, 4) float
+        Planes that differ.
+    evidence : Evidence
+        What speaks for them.
+
+    Returns
+    -------
+    (k,) float
+        1 for a plane that stands alone.
+    """
+    sizes = np.ones(len(planes))
+    for row, plane in enumerate(planes):
+        if evidence.agreement[row] < FULL_AGREEMENT:
+            angles = plane_angles(planes, plane)
+            beside = (angles > FAMILY_ANGLES[0]) & (angles < FAMILY_ANGLES[1])
+            beside &= evidence.agreement >= evidence.agreement[row] - RIVAL
+            beside &= evidence.support >= FAMILY_SUPPORT * evidence.support[row]
+            sizes[row] += np.count_nonzero(beside)
+    return sizes
+
+
+def _lead(ordering: Floats) -> Floats:
+    """Return how far each plane leads the mean of the nine best others."""
+    best = np.argsort(-ordering, kind="stable")[: RIVALS + 1]
+    inside = np.isin(np.arange(len(ordering)), best)
+    sums = ordering[best].sum() - np.where(inside, ordering, ordering[best].min(initial=np.inf))
+    lead: Floats = ordering - sums / max(1, len(best) - 1)
+    return lead if len(ordering) > 1 else np.zeros_like(ordering)
+
+
 def believable(evidence: Evidence, chances: Floats, least: float) -> Booleans:
     """Tell which planes may be reported.
 
-    The best one needs the least chance; a further one also has to agree with the cloud nearly as
+    The best one needs the least confidence; a further one also has to agree with the cloud nearly as
     well, since planes near a true one, or of a nearly round body, come close to it in all else.
 
     Parameters

@@ -16,7 +16,12 @@ from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.geometry.bounds import require_solid
 from meshlab_symrecon.geometry.planes import canonical_planes, plane_angles
 from meshlab_symrecon.symmetry.candidates import vote
-from meshlab_symrecon.symmetry.confidence import believable, confidence, merit
+from meshlab_symrecon.symmetry.confidence import (
+    believable,
+    confidence,
+    family_sizes,
+    merit,
+)
 from meshlab_symrecon.symmetry.embedding import embed_planes
 from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
 from meshlab_symrecon.symmetry.refinement import Lookup, Schedule, refine_planes
@@ -68,10 +73,10 @@ class _Stage:
 
 
 CASCADE = (
-    _Stage(400, steps=6, first=0.04, last=0.015, breadth=0.0, kept=32, exact=False),
-    _Stage(1_000, steps=12, first=0.03, last=FINEST, breadth=0.0, kept=10, exact=False),
+    _Stage(400, steps=6, first=0.04, last=0.015, breadth=0.0, kept=64, exact=False),
+    _Stage(1_000, steps=12, first=0.03, last=FINEST, breadth=0.0, kept=24, exact=False),
     # A shape that is symmetric only to some extent is fitted that much more broadly.
-    _Stage(QUERIES, steps=12, first=0.015, last=FINEST, breadth=6.0, kept=10, exact=True),
+    _Stage(QUERIES, steps=12, first=0.015, last=FINEST, breadth=6.0, kept=24, exact=True),
 )
 
 
@@ -82,7 +87,7 @@ class DetectionOptions:
     Attributes
     ----------
     max_planes : int
-        Most planes returned, 1 to 10.
+        Most planes returned, 1 to 24.
     min_confidence : float
         Planes with less confidence are not returned, 0 to 1.
     sample_count : int
@@ -90,7 +95,7 @@ class DetectionOptions:
     """
 
     max_planes: int = 8
-    min_confidence: float = 0.75
+    min_confidence: float = 0.65
     sample_count: int = 1_200
 
     def __post_init__(self) -> None:
@@ -204,6 +209,7 @@ def verified_planes(
         planes, evidence = _pass_stage(cloud, planes, evidence, stage)
     report(1.0, f"{len(planes)} planes verified")
     chances = confidence(evidence, cloud.roughness, len(cloud.samples))
+    chances = chances / family_sizes(planes, evidence)
     order = np.argsort(-chances, kind="stable")
     planes = canonical_planes(_to_input(cloud, planes[order]))
     return Verified(planes, evidence.take(order), chances[order], converged)
