@@ -101,7 +101,7 @@ def main():
     options = parser.parse_args()
     totals, recalls, seconds = Counter(), [], []
     print(f"{'model':14s}" + "".join(f"{name:>12s}" for name in options.conditions))
-    print("first right + none reported / cases (planes reported, wrong)")
+    print("first right + nothing reported / cases (planes reported, wrong)")
     for model in options.models:
         cells = []
         for condition in options.conditions:
@@ -118,7 +118,7 @@ def main():
                 kind = "positive" if len(truth) else "negative"
                 cell.update(
                     cases=1, planes=len(planes), wrong=len(planes) - sum(right),
-                    first=bool(right and right[0]), none=not right,
+                    first=int(bool(right) and right[0]), none=int(not right),
                 )  # fmt: skip
                 totals.update({f"{kind} {name}": count for name, count in cell.items()})
                 if right and right[0]:
