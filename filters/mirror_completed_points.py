@@ -14,6 +14,7 @@ from meshlab_symrecon.plugin import (
     Outcome,
     ParameterSet,
     Progress,
+    diagonal_fraction,
     integer,
     layer,
     spacing_multiple,
@@ -47,6 +48,13 @@ class Parameters(ParameterSet):
         low=0.1,
         high=100.0,
     )
+    blend: float = diagonal_fraction(
+        0.0,
+        "Blend",
+        "Width of the seam over which mirrored points lean towards the measured surface; "
+        "0 keeps exact mirror images. Measured points never move.",
+        high=0.5,
+    )
 
 
 def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
@@ -59,6 +67,7 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
         normals=source.normals,
         colours=source.colours,
         gap=parameters.gap,
+        blend=parameters.blend,
         progress=progress,
     )
     share = completed.mirrored.astype(np.float64)

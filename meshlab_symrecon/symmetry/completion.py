@@ -31,11 +31,11 @@ __all__ = ["GAP", "CompletedPoints", "mirror_complete"]
 
 Progress: TypeAlias = Callable[[float, str], None]
 
-GAP = 1.25  # local spacings: nearer mirror images add nothing to what was measured
+GAP = 1.0  # local spacings: nearer mirror images add nothing to what was measured
 SPACING_NEIGHBOURS = 4
 SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
 SMALLEST_PATCH = 12  # images: fewer together are no hole
-PATCH_REACH = 1.5  # gaps between neighbours in a patch
+PATCH_REACH = 2.0  # spacings between neighbours in a patch
 ISOLATION_NEIGHBOURS = 8
 ISOLATED = 3.0  # medians of the mean distance to them: farther points are not copied
 BLEND_OVERLAP = 0.5  # reaches of the blend: nearer mirror images show the offset
@@ -186,18 +186,16 @@ def _fill(
         outward=normals is not None,
     )
     missing = missing[~hovering]
-    missing = missing[_in_patches(images[missing], reach[missing])]
+    missing = missing[_in_patches(images[missing], float(np.median(spacing)))]
     return images[missing], origin[missing]
 
 
-def _in_patches(images: Points, reach: Floats) -> Booleans:
+def _in_patches(images: Points, spacing: float) -> Booleans:
     """Tell which images hang together in patches; a few stray ones are scatter, not a hole."""
     smallest = min(SMALLEST_PATCH, max(1, len(images) // 100))
     if smallest == 1:
         return np.ones(len(images), dtype=bool)
-    pairs = cKDTree(images).query_pairs(
-        PATCH_REACH * float(np.median(reach)), output_type="ndarray"
-    )
+    pairs = cKDTree(images).query_pairs(PATCH_REACH * spacing, output_type="ndarray")
     links = coo_matrix((np.ones(len(pairs), dtype=bool), pairs.T), shape=(len(images),) * 2)
     patch = connected_components(links, directed=False)[1]
     joined: Booleans = np.bincount(patch)[patch] >= smallest
