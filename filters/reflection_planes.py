@@ -17,6 +17,7 @@ from meshlab_symrecon.plugin import (
     number,
 )
 from meshlab_symrecon.symmetry.detection import (
+    LIMITS,
     DetectionOptions,
     ReflectionPlanes,
     detect_reflection_planes,
@@ -31,21 +32,25 @@ class Parameters(ParameterSet):
     """Parameters of the detection."""
 
     maxplanes: int = integer(
-        DEFAULTS.max_planes, "Most planes", "How many planes to return at most.", low=1, high=64
+        DEFAULTS.max_planes,
+        "Most planes",
+        "How many planes to return at most.",
+        low=LIMITS["max_planes"][0],
+        high=LIMITS["max_planes"][1],
     )
     minconfidence: float = number(
         DEFAULTS.min_confidence,
         "Least confidence",
         "Planes less certain than this are not reported; lower it to see weak candidates.",
-        low=0.0,
-        high=1.0,
+        low=LIMITS["min_confidence"][0],
+        high=LIMITS["min_confidence"][1],
     )
     samples: int = integer(
         DEFAULTS.sample_count,
         "Samples",
         "Even samples of the cloud whose pairs vote for planes.",
-        low=50,
-        high=4000,
+        low=LIMITS["sample_count"][0],
+        high=LIMITS["sample_count"][1],
     )
     randomseed: int = integer(
         0, "Random seed", "Equal seeds give equal planes.", low=0, high=2**31 - 1

@@ -28,6 +28,7 @@ from meshlab_symrecon.symmetry.refinement import Lookup, Schedule, refine_planes
 from meshlab_symrecon.symmetry.verification import Evidence, examine
 
 __all__ = [
+    "LIMITS",
     "DetectionOptions",
     "ReflectionPlanes",
     "Verified",
@@ -80,6 +81,13 @@ CASCADE = (
 )
 
 
+LIMITS = {
+    "max_planes": (1, CASCADE[-1].kept),
+    "min_confidence": (0.0, 1.0),
+    "sample_count": (50, QUERIES),
+}
+
+
 @dataclass(frozen=True, slots=True)
 class DetectionOptions:
     """What to look for.
@@ -99,12 +107,7 @@ class DetectionOptions:
     sample_count: int = 1_200
 
     def __post_init__(self) -> None:
-        ranges = {
-            "max_planes": (1, CASCADE[-1].kept),
-            "min_confidence": (0.0, 1.0),
-            "sample_count": (50, QUERIES),
-        }
-        for name, (low, high) in ranges.items():
+        for name, (low, high) in LIMITS.items():
             value = getattr(self, name)
             if not low <= value <= high:
                 message = f"{name} must lie between {low} and {high}; got {value!r}; change it"
