@@ -81,9 +81,9 @@ CASCADE = (
 )
 
 
-LIMITS = {
+LIMITS: dict[str, tuple[int, int]] = {
     "max_planes": (1, CASCADE[-1].kept),
-    "min_confidence": (0.0, 1.0),
+    "min_confidence": (0, 1),
     "sample_count": (50, QUERIES),
 }
 
