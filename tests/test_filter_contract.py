@@ -13,7 +13,10 @@ from scipy.spatial import cKDTree
 from meshlab_symrecon.errors import SymReconError
 from meshlab_symrecon.geometry.plane_quads import planes_as_quads, planes_of_pieces
 from meshlab_symrecon.geometry.surfaces import enclosed_volume
+from meshlab_symrecon.host.mlx import read_script, step_of, write_script
+from meshlab_symrecon.host.resolution import resolve_script
 from meshlab_symrecon.plugin import Filter, Layer, Layers, Outcome
+from meshlab_symrecon.plugin.parameters import Parameter
 from meshlab_symrecon.plugin.registry import installed_filters
 
 REGISTRY = installed_filters()
@@ -184,3 +187,29 @@ def test_every_default_survives_a_script(item):
 def test_an_unknown_parameter_is_named(item):
     with pytest.raises(SymReconError, match="unknown parameter 'nonsense'"):
         item.apply(document(STATUE), {"nonsense": 1})
+
+
+@every_filter
+def test_a_script_of_it_reads_back_equal(item, tmp_path):
+    changed = {p.name: other_value(p) for p in item.parameters.declared()}
+    for values in ({}, changed):
+        bound = item.bind(values).values()
+        write_script([step_of(item, bound)], tmp_path / "a.mlx")
+        script = read_script(tmp_path / "a.mlx")
+        (step,) = resolve_script(script)
+        assert step.filter.python_name == item.python_name
+        assert dict(step.values) == bound
+        write_script(script.steps, tmp_path / "b.mlx")
+        assert (tmp_path / "a.mlx").read_bytes() == (tmp_path / "b.mlx").read_bytes()
+
+
+def other_value(parameter: Parameter) -> object:
+    """An allowed value that is not the default."""
+    if isinstance(parameter.default, bool):
+        return not parameter.default
+    if isinstance(parameter.default, str):
+        others = [word for word in parameter.choices if word != parameter.default]
+        return others[0] if others else "a <b> & 'c'"
+    if isinstance(parameter.default, int):
+        return parameter.default + (1 if parameter.default + 1 <= (parameter.high or 99) else -1)
+    return parameter.default + 0.1234567890123456789 * (1 if parameter.default < 0.5 else -1)
