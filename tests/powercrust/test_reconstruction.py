@@ -130,6 +130,43 @@ def test_a_hole_is_capped():
     assert crust.points[:, 2].max() < 0.75
 
 
+def bar(rng):
+    """Samples of the box [-3, 3] x [-1, 1] x [-1, 1]."""
+    points = rng.uniform(-1, 1, (6000, 3))
+    axis = rng.integers(0, 3, 6000)
+    points[np.arange(6000), axis] = np.sign(points[np.arange(6000), axis])
+    return points * [3.0, 1.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("kept", "volume"),
+    [
+        (lambda p: p[:, 0] < 1.0, 16.0),
+        (lambda p: ~((p[:, 1] == 1.0) & (np.abs(p[:, 0]) < 2.0)), 24.0),
+        (lambda p: ~((p[:, 1] == 1.0) & (p[:, 0] > -2.5)), 24.0),
+    ],
+    ids=["end broken off", "window", "side gone"],
+)
+def test_a_wide_hole_does_not_swallow_the_body(kept, volume):
+    """A cut straight across the hole must not be cheaper than the surface behind it."""
+    samples = bar(np.random.default_rng(12))
+    crust = reconstruct(samples[kept(samples)])
+    assert_solid(crust)
+    assert enclosed_volume(crust.points, crust.faces) == pytest.approx(volume, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_third_of_a_body_may_be_missing(seed):
+    whole = shapes.statue(4000, seed=seed, missing=0.0)
+    towards = np.array([1.0, 0.35, 0.2])
+    limit = np.quantile(whole @ towards, 0.65)
+    crust = reconstruct(whole[whole @ towards < limit])
+    assert_solid(crust)
+    share = enclosed_volume(crust.points, crust.faces)
+    share /= enclosed_volume(*(lambda c: (c.points, c.faces))(reconstruct(whole)))
+    assert 0.5 < share < 0.8
+
+
 def test_the_medial_axis_of_a_sphere_is_its_centre():
     crust = reconstruct(noisy_sphere(2000, 1e-9, 9))
     deep = crust.axis.radii > 0.5
