@@ -6,6 +6,8 @@
 
 #include "bindings.hpp"
 #include "crust.hpp"
+#include "poles.hpp"
+#include "surface_topology.hpp"
 
 namespace nb = nanobind;
 
@@ -75,6 +77,45 @@ void bind_crust(nb::module_& module) {
       },
       nb::arg("points"), nb::arg("faces"), nb::arg("anchor"), nb::arg("anchor_points"),
       nb::arg("shortest"), "Contract edges of a closed manifold where the link condition holds.");
+  module.def(
+      "pole_cells",
+      [](Rows<double> sites, Rows<double> centres, Rows<std::int32_t> cells, std::int32_t samples) {
+        PoleCells poles;
+        {
+          nb::gil_scoped_release release;
+          poles = pole_cells(rows<Position>(sites), rows<Position>(centres), rows<Quad>(cells), samples);
+        }
+        return nb::make_tuple(give(std::move(poles.first)), give(std::move(poles.second)));
+      },
+      nb::arg("sites"), nb::arg("centres"), nb::arg("cells"), nb::arg("samples"),
+      "The cells whose circumcentres are the two poles of each sample; -1 for none.");
+  module.def(
+      "label_pieces",
+      [](Rows<std::int32_t> cells, Row<std::uint8_t> labels) {
+        std::vector<std::int32_t> pieces;
+        {
+          nb::gil_scoped_release release;
+          pieces = label_pieces(rows<Quad>(cells), row(labels));
+        }
+        return give(std::move(pieces));
+      },
+      nb::arg("cells"), nb::arg("labels"),
+      "The piece of each site, connected by edges between sites of equal label.");
+  module.def(
+      "surface_topology",
+      [](Rows<std::int32_t> faces, std::int32_t vertex_count) {
+        SurfaceTopology found;
+        {
+          nb::gil_scoped_release release;
+          found = surface_topology(rows<Triangle>(faces), vertex_count);
+        }
+        return nb::make_tuple(found.vertices, found.edges, found.boundary, found.crowded,
+                              found.misoriented, found.fans, found.components,
+                              give(std::move(found.piece)));
+      },
+      nb::arg("faces"), nb::arg("vertex_count"),
+      "Counts of vertices, edges, boundary, crowded and misoriented edges, fans, components; and "
+      "the component of each face.");
 }
 
 }  // namespace symrecon

@@ -13,14 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
-from scipy.sparse.csgraph import (
-    breadth_first_order,
-    connected_components,
-    dijkstra,
-    maximum_flow,
-)
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import breadth_first_order, dijkstra, maximum_flow
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Floats, Indices
 from meshlab_symrecon.geometry.triangulation import Triangulation
 from meshlab_symrecon.powercrust.pole_graph import (
@@ -203,25 +199,14 @@ def _turn_small_pieces(
     smallest = SMALLEST_PIECE * samples.sum() / 2
     turned = inside.copy()
     for islands in (True, False):
-        piece, sizes = _pieces(diagram, turned, samples)
+        piece = _native.label_pieces(diagram.cells, turned.astype(np.uint8))
+        sizes = np.bincount(piece, weights=samples)
         keep = sizes >= smallest
         keep[piece[outer]] = True
         inner = np.unique(piece[turned])
         if islands and len(inner):
             keep[inner[np.argmax(sizes[inner])]] = True
         turned[~keep[piece] & (turned == islands)] = not islands
-    shown = np.unique(diagram.cells)
-    return turned, int(np.count_nonzero(turned[shown] != inside[shown]))
-
-
-def _pieces(diagram: Triangulation, inside: Booleans, samples: Indices) -> tuple[Indices, Indices]:
-    """Return the piece of each pole, connected by edges between equal labels, and piece sizes."""
-    cells = diagram.cells
-    links = [
-        cells[inside[cells[:, a]] == inside[cells[:, b]]][:, [a, b]]
-        for a, b in ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
-    ]
-    pairs = np.concatenate(links)
-    graph = coo_matrix((np.ones(len(pairs), dtype=bool), pairs.T), shape=(len(inside),) * 2)
-    count, piece = connected_components(graph, directed=False)
-    return piece, np.bincount(piece, weights=samples, minlength=count)
+    shown = np.zeros(len(inside), dtype=bool)
+    shown[diagram.cells.ravel()] = True
+    return turned, int(np.count_nonzero((turned != inside) & shown))

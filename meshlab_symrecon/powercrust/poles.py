@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
 from meshlab_symrecon.geometry.triangulation import Triangulation, circumcentres
 
@@ -106,48 +107,23 @@ def find_poles(delaunay: Triangulation, sample_count: int) -> Poles:
         Number of samples; the sites after them are the corners.
     """
     centres = circumcentres(delaunay)
-    cells = delaunay.cells.astype(np.int64)
-    owner, cell = _incidences(cells, sample_count)
-    starts = np.flatnonzero(np.diff(owner, prepend=-1))
-    sample = owner[starts]
-    run = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(owner)))
-
-    arms = centres[cell] - delaunay.sites[owner]
-    squares = np.einsum("ij,ij->i", arms, arms)
-    first = _first_maximum(squares, starts, run)
-    behind = np.einsum("ij,ij->i", arms, arms[first][run]) <= 0.0
-    second = _first_maximum(np.where(behind, squares, -1.0), starts, run)
-    paired = behind[second]
-
-    poles, number = np.unique(
-        np.concatenate([cell[first], cell[second[paired]]]), return_inverse=True
-    )
-    pairs = np.stack([number[: len(first)][paired], number[len(first) :]], axis=1)
-    samples = cells[poles]
+    first, second = _native.pole_cells(delaunay.sites, centres, delaunay.cells, sample_count)
+    paired = np.flatnonzero(second >= 0)
+    is_pole = np.zeros(len(centres), dtype=bool)
+    is_pole[first[first >= 0]] = True
+    is_pole[second[paired]] = True
+    poles = np.flatnonzero(is_pole)
+    number = np.cumsum(is_pole) - 1
+    pairs = number[np.stack([first[paired], second[paired]], axis=1)]
+    samples = delaunay.cells[poles].astype(np.int64)
     arms_of_poles = centres[poles] - delaunay.sites[samples[:, 0]]
     return Poles(
         sites=delaunay.sites,
         centres=centres[poles],
         radii=np.linalg.norm(arms_of_poles, axis=1),
         samples=samples,
-        pairs=pairs.astype(np.int64),
-        pair_samples=sample[paired],
+        pairs=pairs,
+        pair_samples=paired,
         outermost=(samples >= sample_count).any(axis=1)
         | _beyond(centres[poles], delaunay.sites, sample_count),
     )
-
-
-def _incidences(cells: Indices, sample_count: int) -> tuple[Indices, Indices]:
-    """Return (sample, cell) for every corner that is a sample, sorted by sample, then by cell."""
-    owner = cells.ravel()
-    order = np.argsort(owner, kind="stable")
-    order = order[: np.searchsorted(owner[order], sample_count)]
-    return owner[order], order // 4
-
-
-def _first_maximum(values: Floats, starts: Indices, run: Indices) -> Indices:
-    """Return, for each run of ``values``, the index of its first largest entry."""
-    largest = np.maximum.reduceat(values, starts)
-    candidates = np.flatnonzero(values == largest[run])
-    _, position = np.unique(run[candidates], return_index=True)
-    return candidates[position]

@@ -1,0 +1,26 @@
+// Poles of samples, and pieces of labelled poles.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "crust.hpp"
+
+namespace symrecon {
+
+// For each sample the cells whose circumcentres are its two poles; -1 where there is none.
+struct PoleCells {
+  std::vector<std::int32_t> first;   // farthest circumcentre of the sample's cells
+  std::vector<std::int32_t> second;  // farthest one on the other side of the sample
+};
+
+// Sites from `samples` on are no samples.  Of equally far centres the one of the first cell counts.
+PoleCells pole_cells(const std::vector<Position>& sites, const std::vector<Position>& centres,
+                     const std::vector<Quad>& cells, std::int32_t samples);
+
+// The piece of each site, connected by edges of the cells between sites of equal label.
+std::vector<std::int32_t> label_pieces(const std::vector<Quad>& cells,
+                                       const std::vector<std::uint8_t>& labels);
+
+}  // namespace symrecon
