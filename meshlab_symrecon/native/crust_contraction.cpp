@@ -42,8 +42,24 @@ class Surface {
   }
 
   const Position& point(std::int32_t vertex) const { return points_[vertex]; }
+  double length(std::int32_t start, std::int32_t end) const {
+    const Position side = minus(points_[start], points_[end]);
+    return std::sqrt(dot(side, side));
+  }
   const std::vector<Triangle>& faces() const { return faces_; }
   bool alive(std::size_t face) const { return alive_[face]; }
+
+  bool coincide(std::int32_t a, std::int32_t b) const { return points_[a] == points_[b]; }
+
+  // Move a vertex part of the way to the mean of its neighbours.
+  void relax(std::int32_t vertex, double step) {
+    gather(vertex, faces_gone_, ring_gone_);
+    for (int axis = 0; axis < 3; ++axis) {
+      double sum = 0.0;
+      for (const std::int32_t other : ring_gone_) sum += points_[other][axis];
+      points_[vertex][axis] += step * (sum / static_cast<double>(ring_gone_.size()) - points_[vertex][axis]);
+    }
+  }
 
   // Contract the edge (gone, kept) to `place`; false when that would pinch or turn the surface.
   bool contract(std::int32_t gone, std::int32_t kept, const Position& place, bool keep_facing) {
@@ -152,30 +168,38 @@ bool before(const Edge& a, const Edge& b) {
   return a.start != b.start ? a.start < b.start : a.end < b.end;
 }
 
-std::vector<Edge> living_edges(const Surface& surface) {
+// The living edges that `wanted(start, end)` picks, each once.
+template <class Wanted>
+std::vector<Edge> living_edges(const Surface& surface, Wanted&& wanted) {
   std::vector<Edge> edges;
   for (std::size_t face = 0; face < surface.faces().size(); ++face) {
     if (!surface.alive(face)) continue;
     const Triangle& corners = surface.faces()[face];
     for (int k = 0; k < 3; ++k) {
       const std::int32_t start = corners[k], end = corners[(k + 1) % 3];
-      if (start > end) continue;  // the face on the other side has it the other way round
-      const Position side = minus(surface.point(start), surface.point(end));
-      edges.push_back({std::sqrt(dot(side, side)), start, end});
+      // the face on the other side has the edge the other way round
+      if (start < end && wanted(start, end)) edges.push_back({surface.length(start, end), start, end});
     }
   }
   return edges;
 }
 
-void contract_to_anchors(Surface& surface, std::vector<std::int32_t>& anchor,
+void contract_to_anchors(Surface& surface, const std::vector<std::int32_t>& anchor,
                          const std::vector<Position>& anchor_points) {
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (const Edge& edge : living_edges(surface)) {
-      const std::int32_t start = surface.find(edge.start), end = surface.find(edge.end);
-      if (start == end || anchor[start] < 0 || anchor[start] != anchor[end]) continue;
-      changed |= surface.contract(end, start, anchor_points[anchor[start]], false);
-    }
+  std::vector<Edge> edges = living_edges(surface, [&](std::int32_t start, std::int32_t end) {
+    return anchor[start] >= 0 && anchor[start] == anchor[end];
+  });
+  // An edge that is refused may be free once its neighbours are gone.
+  for (std::size_t before = edges.size() + 1; edges.size() < before;) {
+    before = edges.size();
+    edges.erase(std::remove_if(edges.begin(), edges.end(),
+                               [&](const Edge& edge) {
+                                 const std::int32_t start = surface.find(edge.start);
+                                 const std::int32_t end = surface.find(edge.end);
+                                 return start == end ||
+                                        surface.contract(end, start, anchor_points[anchor[start]], false);
+                               }),
+                edges.end());
   }
 }
 
@@ -184,12 +208,9 @@ std::int64_t contract_short(Surface& surface, const std::vector<std::int32_t>& a
   constexpr int kRounds = 4;  // later rounds meet edges that earlier ones made short
   std::int64_t refused = 0;
   for (int round = 0; round < kRounds; ++round) {
-    std::vector<Edge> edges = living_edges(surface);
-    edges.erase(std::remove_if(edges.begin(), edges.end(),
-                               [&](const Edge& edge) {
-                                 return edge.length >= std::min(shortest[edge.start], shortest[edge.end]);
-                               }),
-                edges.end());
+    std::vector<Edge> edges = living_edges(surface, [&](std::int32_t start, std::int32_t end) {
+      return surface.length(start, end) < std::min(shortest[start], shortest[end]);
+    });
     std::sort(edges.begin(), edges.end(), before);
     std::int64_t contracted = 0;
     refused = 0;
@@ -209,6 +230,22 @@ std::int64_t contract_short(Surface& surface, const std::vector<std::int32_t>& a
   return refused;
 }
 
+// Vertices of one anchor that could not be joined lie at one point; move all but the first a little
+// towards their neighbours, so that no reader joins them and pinches the surface.
+void part_coincident(Surface& surface, const std::vector<std::int32_t>& anchor, std::size_t anchors) {
+  constexpr double kStep = 0.01;  // of the way to the neighbours' mean
+  std::vector<std::int32_t> first(anchors, -1);
+  for (std::size_t face = 0; face < surface.faces().size(); ++face) {
+    if (!surface.alive(face)) continue;
+    for (const std::int32_t vertex : surface.faces()[face]) {
+      if (anchor[vertex] < 0) continue;
+      std::int32_t& keeper = first[anchor[vertex]];
+      if (keeper < 0) keeper = vertex;
+      if (keeper != vertex && surface.coincide(keeper, vertex)) surface.relax(vertex, kStep);
+    }
+  }
+}
+
 }  // namespace
 
 Contraction contract_edges(std::vector<Position> points, std::vector<Triangle> faces,
@@ -217,10 +254,10 @@ Contraction contract_edges(std::vector<Position> points, std::vector<Triangle> f
                            const std::vector<double>& shortest) {
   const std::size_t count = points.size();
   Surface surface(std::move(points), std::move(faces));
-  std::vector<std::int32_t> anchors = anchor;
-  contract_to_anchors(surface, anchors, anchor_points);
+  contract_to_anchors(surface, anchor, anchor_points);
   Contraction result;
-  result.refused = contract_short(surface, anchors, shortest);
+  result.refused = contract_short(surface, anchor, shortest);
+  part_coincident(surface, anchor, anchor_points.size());
   std::vector<std::int32_t> number(count, -1);
   for (std::size_t face = 0; face < surface.faces().size(); ++face) {
     if (!surface.alive(face)) continue;
