@@ -103,7 +103,7 @@ class DetectionOptions:
     """
 
     max_planes: int = 8
-    min_confidence: float = 0.8
+    min_confidence: float = 0.85
     sample_count: int = 1_200
 
     def __post_init__(self) -> None:
