@@ -9,9 +9,9 @@ Needs the environment variable SYMRECON_DATA: a folder with ``meshes/*.ply``, ``
 A success is a first plane within 3 degrees and 2 % of the diagonal (at the centre) of a true one.
 Every reported plane is right or wrong; on models without a plane every one is wrong.
 
-The constants in ``symmetry/confidence.py`` were fitted on damage (seeds 201, 202) of nefertiti,
-squirrel (weight 4), max_planck, skull, trim_star, bunny and twirl, and on made shapes; moai,
-falcon, wingnut, demosthenes, sea_vase and shepherd_boy had no part in it.
+The constants in ``symmetry/confidence.py`` and ``symmetry/plinth.py`` were fitted on damage (seeds
+661, 662) of nefertiti, squirrel, max_planck, column, skull, trim_star, bunny and twirl, and on made
+shapes; moai, falcon, wingnut, demosthenes, sea_vase and shepherd_boy had no part in it.
 """
 
 from __future__ import annotations

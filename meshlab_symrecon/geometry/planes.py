@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshlab_symrecon.arrays import Floats, Planes, Points
+from meshlab_symrecon.arrays import Floats, Indices, Planes, Points
 
 __all__ = [
     "canonical_planes",
+    "distinct_planes",
     "plane_angles",
     "reflect",
     "reflect_directions",
@@ -125,3 +126,30 @@ def plane_angles(planes: Planes, plane: Floats) -> Floats:
     sines = np.linalg.norm(np.cross(planes[:, :3], plane[:3]), axis=1)
     angles: Floats = np.arctan2(sines, np.abs(planes[:, :3] @ plane[:3]))
     return angles
+
+
+def distinct_planes(planes: Planes, scores: Floats, same: tuple[float, float]) -> Indices:
+    """Return the planes without those that nearly repeat a better one.
+
+    Parameters
+    ----------
+    planes : (k, 4) float
+        Unit normals and offsets; the origin near the middle of the cloud.
+    scores : (k,) float
+        Higher is better.
+    same : pair of float
+        Planes repeat each other below this angle in radians and this difference of offsets.
+
+    Returns
+    -------
+    (m,) int
+        Rows that stay, best first.
+    """
+    kept: list[int] = []
+    for row in np.argsort(-scores, kind="stable"):
+        better = planes[kept]
+        signs = np.where(better[:, :3] @ planes[row, :3] < 0.0, -1.0, 1.0)
+        shifts = np.abs(signs * better[:, 3] - planes[row, 3])
+        if not ((plane_angles(better, planes[row]) < same[0]) & (shifts < same[1])).any():
+            kept.append(int(row))
+    return np.array(kept, dtype=np.int64)

@@ -10,23 +10,24 @@ from meshlab_symrecon.symmetry.verification import Evidence
 
 __all__ = ["believable", "confidence", "family_sizes", "merit"]
 
-# Logistic regression on verified planes of 227 incomplete clouds under seven kinds of damage: five
-# scanned models, bunny and twirl (without a plane), and made shapes (bodies of bumps and of boxes
-# with and without a mirror plane, twisted prisms, pinwheels, bent scans). Planes that leave less
-# than 2 % of the diagonal (95th percentile) on the complete shape counted neither way; true ones of
-# squirrel, the least symmetric model, counted four times. benchmarks/symmetry_success.py measures
-# the outcome.
-INTERCEPT = 2.1
-PER_LOG_SUPPORT = 6.7
-PER_ROUGHNESS = 2150.0  # per diagonal: noise lowers agreement and support of true planes, too
-PER_LEAD = 1.08
-PER_CLEANNESS = 4.43
-PER_RESIDUAL = -860.0  # per diagonal
+# Logistic regression on verified planes of 292 incomplete clouds under seven kinds of damage: six
+# scanned models, bunny and twirl (without a plane), and made shapes (bodies of bumps and of boxes,
+# nearly symmetric bodies, vases, all with and without a mirror plane; twisted prisms, pinwheels,
+# bent scans). Planes that leave less than 2 % of the diagonal (95th percentile) on the complete
+# shape counted neither way; true ones of nefertiti, squirrel, max_planck and column counted twice.
+# benchmarks/symmetry_success.py measures the outcome.
+INTERCEPT = -5.4
+PER_LOG_SUPPORT = 2.45
+PER_ROUGHNESS = 200.0  # per diagonal: noise lowers agreement and support of true planes, too
+PER_LEAD = 1.41
+PER_CLEANNESS = 6.8
+PER_LOG_FAMILY = -2.34
 ENOUGH_SUPPORT = 0.4  # more only says that less is missing
 ENOUGH_ROUGHNESS = 0.002
-CONTRADICTION_SCALE = 0.006  # contradiction at which cleanness has fallen to 1 / e
+CONTRADICTION_SCALE = 0.02  # contradiction at which cleanness has fallen to 1 / e
 MOST_LEAD = 3.0
 RIVALS = 9
+CHANCE_MERIT = -3.0  # of a plane that mirrors a fifth of the cloud onto itself
 FAMILY_ANGLES = np.radians([8.0, 20.0])  # nearer ones are variants of the same plane
 FAMILY_SUPPORT = 0.8
 FULL_AGREEMENT = 0.95
@@ -41,13 +42,15 @@ def merit(evidence: Evidence) -> Floats:
     return ordering
 
 
-def confidence(evidence: Evidence, roughness: float, count: int) -> Floats:
+def confidence(evidence: Evidence, sizes: Floats, roughness: float, count: int) -> Floats:
     """Return the chance that each plane is true.
 
     Parameters
     ----------
     evidence : Evidence
         All planes that were verified last; how far one leads the others tells, too.
+    sizes : (k,) float
+        Sizes of their families.
     roughness : float
         Median deviation of the cloud from its local planes, in diagonals.
     count : int
@@ -66,7 +69,7 @@ def confidence(evidence: Evidence, roughness: float, count: int) -> Floats:
         + PER_ROUGHNESS * min(roughness, ENOUGH_ROUGHNESS)
         + PER_LEAD * np.clip(lead, 0.0, MOST_LEAD)
         + PER_CLEANNESS * np.exp(-evidence.contradiction / CONTRADICTION_SCALE)
-        + PER_RESIDUAL * evidence.residual
+        + PER_LOG_FAMILY * np.log(sizes)
     )
     chances: Floats = min(1.0, count / ENOUGH_SAMPLES) / (1.0 + np.exp(-log_odds))
     return chances
@@ -103,12 +106,12 @@ def family_sizes(planes: Planes, evidence: Evidence) -> Floats:
 
 
 def _lead(ordering: Floats) -> Floats:
-    """Return how far each plane leads the mean of the nine best others."""
-    best = np.argsort(-ordering, kind="stable")[: RIVALS + 1]
-    inside = np.isin(np.arange(len(ordering)), best)
-    sums = ordering[best].sum() - np.where(inside, ordering, ordering[best].min(initial=np.inf))
-    lead: Floats = ordering - sums / max(1, len(best) - 1)
-    return lead if len(ordering) > 1 else np.zeros_like(ordering)
+    """Return how far each plane leads the mean of the nine best others, chance filling up."""
+    rivals = np.append(ordering, np.full(RIVALS, CHANCE_MERIT))
+    best = np.sort(rivals)[::-1][: RIVALS + 1]
+    inside = ordering >= best[-1]
+    lead: Floats = ordering - (best.sum() - np.where(inside, ordering, best[-1])) / RIVALS
+    return lead
 
 
 def believable(evidence: Evidence, chances: Floats, least: float) -> Booleans:

@@ -9,12 +9,12 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshlab_symrecon.arrays import Floats, Indices, Planes, as_normals, as_points
+from meshlab_symrecon.arrays import Floats, Planes, as_normals, as_points
 from meshlab_symrecon.clustering.messages import propagate_sparse
 from meshlab_symrecon.clustering.neighbour_graph import neighbour_graph
 from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.geometry.bounds import require_solid
-from meshlab_symrecon.geometry.planes import canonical_planes, plane_angles
+from meshlab_symrecon.geometry.planes import canonical_planes, distinct_planes
 from meshlab_symrecon.symmetry.candidates import vote
 from meshlab_symrecon.symmetry.confidence import (
     believable,
@@ -52,8 +52,8 @@ DAMPING = 0.7
 MOST_ITERATIONS = 200
 CALM_ITERATIONS = 15
 MOST_EXEMPLARS = 300
-SAME_ANGLE = np.radians(3.0)
-SAME_OFFSET = 0.02
+SAME = (np.radians(3.0), 0.02)  # angle and offset of planes that nearly repeat each other
+VARIANT = (np.radians(8.0), 0.06)  # and of two of which at most one is true
 TOLERANCE = 0.006  # of a match in verification
 FINEST = 0.006  # last tolerance of the refinement, but at least one spacing
 BROADEST = 0.025  # and never more than this
@@ -103,7 +103,7 @@ class DetectionOptions:
     """
 
     max_planes: int = 8
-    min_confidence: float = 0.65
+    min_confidence: float = 0.85
     sample_count: int = 1_200
 
     def __post_init__(self) -> None:
@@ -211,9 +211,10 @@ def verified_planes(
         report(0.7 + 0.1 * number, "refining and verifying planes")
         planes, evidence = _pass_stage(cloud, planes, evidence, stage)
     report(1.0, f"{len(planes)} planes verified")
-    chances = confidence(evidence, cloud.roughness, len(cloud.samples))
-    chances = chances / family_sizes(planes, evidence)
-    order = np.argsort(-chances, kind="stable")
+    sizes = family_sizes(planes, evidence)
+    chances = confidence(evidence, sizes, cloud.roughness, len(cloud.samples))
+    order = distinct_planes(planes, merit(evidence), VARIANT)
+    order = order[np.argsort(-chances[order], kind="stable")]
     planes = canonical_planes(_to_input(cloud, planes[order]))
     return Verified(planes, evidence.take(order), chances[order], converged)
 
@@ -258,22 +259,8 @@ def _pass_stage(
     schedule = Schedule(stage.steps, np.maximum(stage.first, last), last)
     planes = refine_planes(planes, mirrored, surface, nearest, schedule)
     evidence = examine(planes, cloud, stage.queries, nearest, TOLERANCE)
-    kept = _distinct(planes, merit(evidence), stage.kept)
+    kept = distinct_planes(planes, merit(evidence), SAME)[: stage.kept]
     return planes[kept], evidence.take(kept)
-
-
-def _distinct(planes: Planes, scores: Floats, count: int) -> Indices:
-    """Return the best planes, leaving out those that nearly repeat a better one."""
-    kept: list[int] = []
-    for row in np.argsort(-scores, kind="stable"):
-        better = planes[kept]
-        signs = np.where(better[:, :3] @ planes[row, :3] < 0.0, -1.0, 1.0)
-        shifts = np.abs(signs * better[:, 3] - planes[row, 3])
-        if not ((plane_angles(better, planes[row]) < SAME_ANGLE) & (shifts < SAME_OFFSET)).any():
-            kept.append(int(row))
-        if len(kept) == count:
-            break
-    return np.array(kept, dtype=np.int64)
 
 
 def _to_input(cloud: PreparedCloud, planes: Planes) -> Planes:

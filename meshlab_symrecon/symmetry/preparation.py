@@ -1,4 +1,4 @@
-"""Prepare a cloud for the search: unit size, clutter removed, even, with normals and borders."""
+"""Prepare a cloud: unit size, without clutter and plinth, even, with normals and borders."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ from meshlab_symrecon.geometry.sampling import (
     thin_by_voxels,
     voxel_means,
 )
+from meshlab_symrecon.symmetry.plinth import off_plinth
 
 __all__ = ["PreparedCloud", "prepare"]
 
-# All lengths of the prepared cloud are in robust diagonals of the cloud without its clutter.
+# All lengths of the prepared cloud are in robust diagonals of the cloud without clutter and plinth.
 DENSE_COUNT = 40_000  # points of the level on which clutter is found and normals are fitted
 BASE_COUNT = 8_000  # points of the level that is searched
 CLUTTER_LIMIT = 2.0  # multiple of the median neighbour distance
@@ -90,6 +91,9 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
     kept = without_outliers(dense, CLUTTER_LIMIT, CLUTTER_ROUNDS)
     dense = dense[kept]
     dense_sides = None if dense_sides is None else dense_sides[kept]
+    left = off_plinth(dense / robust_diagonal(dense))
+    dense = dense[left]
+    dense_sides = None if dense_sides is None else dense_sides[left]
     shift = dense.mean(axis=0)
     size = robust_diagonal(dense)
     dense = (dense - shift) / size

@@ -3,6 +3,7 @@ import pytest
 
 from meshlab_symrecon.geometry.planes import (
     canonical_planes,
+    distinct_planes,
     plane_angles,
     reflect,
     reflect_directions,
@@ -60,3 +61,13 @@ def test_angles_are_exact_near_zero_and_ignore_signs(angle):
     plane = np.array([1.0, 0.0, 0.0, 5.0])
     assert plane_angles(turned, plane) == pytest.approx([angle], rel=1e-9, abs=1e-15)
     assert plane_angles(-turned, plane) == pytest.approx([angle], rel=1e-9, abs=1e-15)
+
+
+def test_of_planes_that_nearly_repeat_each_other_the_best_stays():
+    turn = np.radians([0.0, 2.0, 90.0, 180.5, 0.0])  # the fourth is the first, written backwards
+    planes = np.stack([np.cos(turn), np.sin(turn), 0 * turn, [0, 0, 0, 0.01, 0.5]], axis=1)
+    scores = np.array([0.5, 0.9, 0.7, 0.6, 0.1])
+    same = (np.radians(3.0), 0.02)
+    assert list(distinct_planes(planes, scores, same)) == [1, 2, 4]
+    assert list(distinct_planes(planes, scores, (0.0, 0.0))) == [1, 2, 3, 0, 4]
+    assert len(distinct_planes(planes[:0], scores[:0], same)) == 0

@@ -22,32 +22,42 @@ def through_axis(degrees):
     return np.stack([np.cos(turn), np.sin(turn), zero, zero], axis=1)
 
 
-def test_confidence_rises_with_support_and_falls_with_contradiction_and_residual():
-    def chance(**kwargs):
-        return confidence(evidence(**{"support": [0.3], "agreement": [0.7], **kwargs}), 0.001, 2500)
+def chances(found, count=2500, sizes=None):
+    sizes = np.ones(len(found.support)) if sizes is None else np.asarray(sizes, dtype=float)
+    return confidence(found, sizes, 0.001, count)
+
+
+def test_confidence_rises_with_support_and_falls_with_contradiction_and_family():
+    def chance(sizes=None, **kwargs):
+        return chances(evidence(**{"support": [0.3], "agreement": [0.7], **kwargs}), sizes=sizes)
 
     assert chance(support=[0.35]) > chance()
     assert chance(contradiction=0.01) < chance()
-    assert chance(residual=0.004) < chance()
+    assert chance(sizes=[2]) < chance()
     assert 0.0 < chance()[0] < 1.0
 
 
 def test_a_plane_that_leads_the_others_is_more_likely():
-    alone = confidence(evidence([0.3, 0.05, 0.05], [0.7, 0.3, 0.3]), 0.001, 2500)[0]
-    crowded = confidence(evidence([0.3, 0.29, 0.29], [0.7, 0.7, 0.7]), 0.001, 2500)[0]
+    alone = chances(evidence([0.3, 0.05, 0.05], [0.7, 0.3, 0.3]))[0]
+    crowded = chances(evidence([0.3, 0.29, 0.29], [0.7, 0.7, 0.7]))[0]
     assert alone > crowded
+
+
+def test_a_symmetric_body_may_have_only_true_planes():
+    three = chances(evidence([0.95] * 3, [0.96] * 3))
+    assert (three > 0.9).all()
+    crowd = chances(evidence([0.95] * 30, [0.96] * 30))
+    assert (crowd < three[0]).all()
 
 
 def test_few_samples_earn_confidence_in_proportion():
     found = evidence([0.6, 0.1], [0.9, 0.2])
-    assert np.allclose(
-        confidence(found, 0.001, 25), 0.25 * confidence(found, 0.001, 2500), rtol=1e-12
-    )
+    assert np.allclose(chances(found, 25), 0.25 * chances(found), rtol=1e-12)
 
 
 def test_no_planes_have_no_confidence():
     none = evidence([], [])
-    assert confidence(none, 0.001, 2500).shape == (0,)
+    assert chances(none).shape == (0,)
     assert merit(none).shape == (0,)
     assert believable(none, np.zeros(0), 0.5).shape == (0,)
 
