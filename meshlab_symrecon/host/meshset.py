@@ -23,6 +23,7 @@ from meshlab_symrecon.plugin import Layer, Layers
 __all__ = ["add_layer", "check_addable", "current_identifier", "layers_of", "read_layer"]
 
 HALF_A_STEP = 0.5 / 255.0  # pymeshlab cuts colours down to bytes; this makes it round
+ROUNDED = 1e-12  # what products and inverses of matrices leave in the last row
 ATTRIBUTE_PREFIX = "__ca_vs__"  # how the options of a PLY file list custom scalars of vertices
 
 
@@ -53,7 +54,8 @@ def read_layer(mesh_set: Any, identifier: int) -> Layer:
     Raises
     ------
     HostError
-        No layer has that identifier, or its transform matrix cannot be inverted.
+        No layer has that identifier, or its transform matrix cannot be inverted or is one of
+        perspective.
     """
     if not mesh_set.mesh_id_exists(identifier):
         raise HostError(f"no layer has the number {identifier}; list the layers and pick another")
@@ -142,6 +144,12 @@ def _rounded(colours: Floats) -> Floats:
 def _in_world(
     matrix: Floats, points: Points, normals: Points, faces: Faces, identifier: int
 ) -> tuple[Points, Points, Faces]:
+    if not np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0], rtol=0.0, atol=ROUNDED):
+        message = (
+            f"layer {identifier} has a transform matrix with a last row of "
+            f"{matrix[3].tolist()} instead of [0.0, 0.0, 0.0, 1.0]; reset the matrix first"
+        )
+        raise HostError(message)
     linear = matrix[:3, :3]
     determinant = np.linalg.det(linear)
     if not np.isfinite(matrix).all() or determinant == 0.0:

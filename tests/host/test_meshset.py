@@ -152,6 +152,15 @@ def test_a_matrix_that_flattens_is_refused(cloud_set):
         read_layer(cloud_set, 0)
 
 
+@pytest.mark.parametrize("last_row", [[0.0, 0.0, 0.001, 1.0], [0.0, 0.0, 0.0, 2.0]])
+def test_a_matrix_of_perspective_is_refused(cloud_set, last_row):
+    matrix = np.eye(4)
+    matrix[3] = last_row
+    cloud_set.set_matrix(transformmatrix=matrix, freeze=False)
+    with pytest.raises(HostError, match="layer 0 has a transform matrix with a last row of"):
+        read_layer(cloud_set, 0)
+
+
 def test_a_layer_that_is_not_there_is_refused(cloud_set):
     with pytest.raises(HostError, match="no layer has the number 3"):
         read_layer(cloud_set, 3)
