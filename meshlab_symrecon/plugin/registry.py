@@ -128,7 +128,8 @@ def _load(point: EntryPoint) -> Filter | PluginFailure:
     where = f"{point.name} = {point.value}"
     try:
         loaded = point.load()
-    except Exception as error:  # noqa: BLE001  a stranger's module may raise anything
+    # A stranger's module may raise anything, and a script without a guard ends the program.
+    except (Exception, SystemExit) as error:  # noqa: BLE001
         reason = f"plugin '{where}' cannot be imported: {type(error).__name__}: {error}"
         return PluginFailure(point.name, f"{reason}; repair or uninstall its package")
     if not isinstance(loaded, Filter):

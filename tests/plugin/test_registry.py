@@ -117,18 +117,21 @@ def test_a_foreign_filter_is_found(distribution):
 def test_plugins_that_cannot_be_loaded_are_named_and_hold_up_nobody(distribution):
     folder = distribution(
         broken="broken_filters:FILTER",
+        ends="ending_filters:FILTER",
         gone="no_such_module:FILTER",
         hollow="foreign_filters:MISSING",
         others="foreign_filters:FILTER",
         wrong="foreign_filters:NOT_A_FILTER",
     )
     (folder / "broken_filters.py").write_text("raise RuntimeError('not today')")
+    (folder / "ending_filters.py").write_text("raise SystemExit(3)")
     found = installed_filters()
     reasons = {failure.name: failure.reason for failure in found.failures}
     assert (
         "'broken = broken_filters:FILTER' cannot be imported: RuntimeError: not today"
         in (reasons["broken"])
     )
+    assert "SystemExit: 3" in reasons["ends"]
     assert "ModuleNotFoundError" in reasons["gone"]
     assert "AttributeError" in reasons["hollow"]
     assert reasons["wrong"] == (
