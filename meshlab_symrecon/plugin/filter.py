@@ -6,6 +6,7 @@ A filter file has four parts in this order: its ``Parameters``, checks across pa
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -126,9 +127,14 @@ class Layers:
         return self.read(identifier)
 
     def newest(self, label: str) -> Layer | None:
-        """Return the newest layer whose label is ``label``, or starts with it and ``(``."""
+        """Return the newest layer of a label, in any case.
+
+        What MeshLab appends does not count: ``(1)`` to a label that is taken, and the extension of
+        the file when a layer was loaded from one.
+        """
+        same = re.compile(rf"\s*{re.escape(label)}(\(.*|\.\w+)?\s*", re.IGNORECASE)
         for identifier, name in sorted(self.labels.items(), reverse=True):
-            if name == label or name.startswith(f"{label}("):
+            if same.fullmatch(name):
                 return self.read(identifier)
         return None
 

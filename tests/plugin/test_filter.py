@@ -113,6 +113,18 @@ def test_the_newest_layer_of_a_label(cloud, document):
     assert layers.newest("crust") is None
 
 
+@pytest.mark.parametrize(
+    "label", ["planes.ply", "Planes", " planes ", "planes(1).ply", "PLANES.PLY"]
+)
+def test_a_layer_of_a_label_from_a_file_or_written_by_hand(cloud, document, label):
+    assert document(replace(cloud, label=label, identifier=4)).newest("planes").identifier == 4
+
+
+@pytest.mark.parametrize("label", ["my planes", "planes of mine", "planes2", "planes.", ""])
+def test_a_layer_of_another_label(cloud, document, label):
+    assert document(replace(cloud, label=label, identifier=4)).newest("planes") is None
+
+
 def test_citations_as_text():
     paper = Citation("A. Author", "On growth", "Journal", 2001, "10.1/2")
     assert str(paper) == "A. Author (2001). On growth. Journal. doi:10.1/2"
