@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshlab_symrecon.arrays import Planes
+from meshlab_symrecon.arrays import Booleans, Floats, Planes
 from meshlab_symrecon.errors import GeometryError
 from meshlab_symrecon.geometry.plane_quads import planes_of_pieces
 from meshlab_symrecon.plugin import (
@@ -22,6 +22,7 @@ from meshlab_symrecon.plugin import (
 from meshlab_symrecon.symmetry.completion import GAP, mirror_complete
 
 LABEL = "completed points"
+MIRRORED = "mirrored"
 PLANES_LABEL = "reflection planes"
 
 
@@ -70,7 +71,7 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
         blend=parameters.blend,
         progress=progress,
     )
-    share = completed.mirrored.astype(np.float64)
+    share = _share_invented(source, completed.mirrored)
     added = Layer(
         completed.points,
         np.zeros((0, 3), dtype=np.int64),
@@ -78,11 +79,20 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
         normals=completed.normals,
         colours=completed.colours,
         quality=share,
-        attributes={"mirrored": share},
+        attributes={MIRRORED: share},
     )
-    mirrored = int(np.count_nonzero(completed.mirrored))
-    measures = {"measured": len(source.points), "mirrored": mirrored}
+    mirrored = int(np.count_nonzero(share))
+    measures = {"measured": len(share) - mirrored, "mirrored": mirrored}
     return Outcome((added,), current=0, measures=measures)
+
+
+def _share_invented(source: Layer, added: Booleans) -> Floats:
+    """Return 1 for every mirrored point, those of an earlier completion included; 0 elsewhere."""
+    share: Floats = added.astype(np.float64)
+    earlier = source.attributes.get(MIRRORED)
+    if earlier is not None:
+        share[: len(earlier)] = np.asarray(earlier) != 0.0
+    return share
 
 
 def _planes(layers: Layers, parameters: Parameters) -> Planes:
@@ -116,7 +126,8 @@ FILTER = Filter(
         "mirrors the current layer's points across them where nothing was measured. Adds the "
         f"layer `{LABEL}`: the measured points first, in their order, bit for bit, then the "
         "mirrored ones with mirrored normals and copied colours. Vertex quality and the custom "
-        "attribute `mirrored` are 0 for measured points and 1 for mirrored ones.\n\n"
+        "attribute `mirrored` are 0 for measured points and 1 for mirrored ones; what an earlier "
+        "completion has mirrored stays 1.\n\n"
         "Returns the counts `measured` and `mirrored`."
     ),
     parameters=Parameters,
