@@ -191,7 +191,7 @@ def save_current(mesh_set: Any, path: str | Path) -> None:
     Warns
     -----
     SymReconWarning
-        The format loses points that belong to no face.
+        The format loses faces, or points that belong to no face.
     """
     path = Path(path)
     check_output(path)
@@ -301,6 +301,9 @@ def _write(mesh_set: Any, identifier: int, path: Path, staged: Path) -> None:
 
 
 def _check_losses(layer: Layer, path: Path, extension: str) -> None:
+    if extension in POINTS_ONLY and len(layer.faces):
+        words = f"{path}: .{extension} holds points only, so {len(layer.faces)} faces were left out"
+        warn_user(f"{words}; write .ply to keep them")
     lost = len(layer.points) - len(np.unique(layer.faces))
     if extension not in FACES_ONLY or lost == 0:
         return

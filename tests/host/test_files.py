@@ -239,7 +239,11 @@ def test_absent_attributes_are_not_written(tmp_path):
 @pytest.mark.parametrize("extension", WRITABLE)
 def test_every_known_format_is_written_whole(tmp_path, extension):
     path = tmp_path / f"a.{extension}"
-    save_current(document(solid()), path)
+    if extension in files.POINTS_ONLY:
+        with pytest.warns(SymReconWarning, match="holds points only, so 4 faces were left out"):
+            save_current(document(solid()), path)
+    else:
+        save_current(document(solid()), path)
     assert path.stat().st_size > 0
     assert [file for file in tmp_path.iterdir() if file.name.startswith(".")] == []
     if extension in READABLE:
