@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import locale
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -290,7 +292,7 @@ def _write(mesh_set: Any, identifier: int, path: Path, staged: Path) -> None:
     options = {f"save_{what}": held[what] for what in WRITABLE[extension]}
     before = current_identifier(source)
     try:
-        with translated(f"{path} cannot be written"):
+        with translated(f"{path} cannot be written"), _locale_kept():
             source.set_current_mesh(number)
             source.save_current_mesh(str(staged), **options)
     except HostError as error:
@@ -298,6 +300,16 @@ def _write(mesh_set: Any, identifier: int, path: Path, staged: Path) -> None:
     finally:
         source.set_current_mesh(before)
     _check_whole(layer, path, extension, staged)
+
+
+@contextmanager
+def _locale_kept() -> Iterator[None]:
+    """Undo what the 3MF exporter does: it sets the locale of the whole process to ``C``."""
+    before = locale.setlocale(locale.LC_ALL)
+    try:
+        yield
+    finally:
+        locale.setlocale(locale.LC_ALL, before)
 
 
 def _check_losses(layer: Layer, path: Path, extension: str) -> None:

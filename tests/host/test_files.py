@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import locale
 import os
 import struct
 import subprocess
@@ -251,6 +252,13 @@ def test_every_known_format_is_written_whole(tmp_path, extension):
         mesh = mesh_set.current_mesh()
         assert mesh.vertex_number() == 4
         assert mesh.face_number() == (0 if extension in files.POINTS_ONLY else 4)
+
+
+@pytest.mark.parametrize("extension", sorted(set(WRITABLE) - set(files.POINTS_ONLY)))
+def test_writing_leaves_the_locale_of_the_process_alone(tmp_path, extension):
+    before = locale.setlocale(locale.LC_ALL)
+    save_current(document(solid()), tmp_path / f"a.{extension}")
+    assert locale.setlocale(locale.LC_ALL) == before
 
 
 @pytest.mark.parametrize("extension", files.FACES_ONLY)
