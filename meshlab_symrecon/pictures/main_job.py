@@ -68,7 +68,7 @@ def _count(number: int) -> str:
     return f"{number:,}".replace(",", "\N{THIN SPACE}")
 
 
-def main_job_picture(  # noqa: PLR0913, PLR0917  the six arrays of the whole method, in its order
+def main_job_picture(  # noqa: PLR0913, PLR0917  the seven arrays of the whole method, in its order
     scan_points: ArrayLike,
     planes: ArrayLike,
     completed_points: ArrayLike,
