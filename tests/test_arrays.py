@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshlab_symrecon.arrays import as_faces, as_normals, as_planes, as_points
+from meshlab_symrecon.arrays import as_faces, as_normals, as_planes, as_points, as_scalars
 from meshlab_symrecon.errors import GeometryError
 
 TRIANGLE = [[0, 1, 2]]
@@ -24,6 +24,12 @@ TRIANGLE = [[0, 1, 2]]
         ),
         (lambda: as_points(np.eye(3), minimum=4), "at least 4 points are needed; got 3"),
         (lambda: as_normals(np.eye(3), 4), "4 normals are needed, one a point; got 3"),
+        (
+            lambda: as_scalars("ab", 2, "weights"),
+            "weights must be numbers in an array of shape (2,)",
+        ),
+        (lambda: as_scalars([1.0], 2, "weights"), "shape (2,), one a point; got (1,)"),
+        (lambda: as_scalars([1, np.inf], 2, "weights"), "got 1 values with NaN or infinity"),
         (lambda: as_planes([[0, 0, 1, 2], [0, 0, 0, 1]]), "a normal (A, B, C) that is not zero"),
         (lambda: as_planes([[0, 0, 1]]), "planes must have shape (n, 4); got (1, 3)"),
         (lambda: as_faces([[0, 1, 1.5]], 3), "whole vertex indices; got fractions"),
@@ -44,6 +50,7 @@ def test_bad_arrays_are_refused_in_one_sentence(call, words):
         (as_points, np.arange(12.0).reshape(4, 3)),
         (as_planes, np.array([[0.0, 0.0, 1.0, 2.0]])),
         (lambda values: as_normals(values, 3), np.eye(3)),
+        (lambda values: as_scalars(values, 3, "weights"), np.arange(3.0)),
         (lambda values: as_faces(values, 3), np.array(TRIANGLE)),
     ],
 )
