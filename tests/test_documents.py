@@ -64,6 +64,10 @@ def test_the_kernel_of_the_readme_runs():
     assert names["solid"].topology.closed
 
 
+def test_no_placeholder_is_left():
+    assert re.findall(r"@[A-Z]+@", README) == []
+
+
 def test_links_of_the_documents_lead_somewhere():
     for path in (ROOT / "README.md", *ROOT.glob("docs/*.md"), ROOT / "examples/data/README.md"):
         text = path.read_text(encoding="utf-8")
