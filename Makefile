@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 SOURCES := pyproject.toml $(shell find meshlab_symrecon filters -name '*.py' -o -name '*.?pp' -o -name 'CMakeLists.txt' -o -name '*.json' -o -name '*.pyi')
 DEMO := demo_output
 
-.PHONY: demo test lint unit docs gallery clean
+.PHONY: demo test lint unit docs clean
 
 demo: $(VENV)/installed
 	mkdir -p $(DEMO)

@@ -6,7 +6,7 @@ import numpy as np
 
 from meshlab_symrecon.arrays import Booleans, Floats, Planes
 from meshlab_symrecon.errors import GeometryError
-from meshlab_symrecon.geometry.plane_quads import planes_of_pieces
+from meshlab_symrecon.geometry.plane_quads import PLANES_LABEL, planes_of_pieces
 from meshlab_symrecon.plugin import (
     Filter,
     Layer,
@@ -23,7 +23,6 @@ from meshlab_symrecon.symmetry.completion import GAP, mirror_complete
 
 LABEL = "completed points"
 MIRRORED = "mirrored"
-PLANES_LABEL = "reflection planes"
 
 
 class Parameters(ParameterSet):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshlab_symrecon.geometry.plane_quads import planes_as_quads
+from meshlab_symrecon.geometry.plane_quads import PLANES_LABEL, planes_as_quads
 from meshlab_symrecon.plugin import (
     Citation,
     Filter,
@@ -23,7 +23,6 @@ from meshlab_symrecon.symmetry.detection import (
     detect_reflection_planes,
 )
 
-LABEL = "reflection planes"
 NONE_FOUND = "no reflection plane was found: the points show no mirror symmetry that can be trusted"
 DEFAULTS = DetectionOptions()
 
@@ -87,7 +86,7 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
 
 def _sheets(source: Layer, found: ReflectionPlanes) -> Layer:
     corners, faces = planes_as_quads(found.planes, source.points)
-    return Layer(corners, faces, label=LABEL, face_quality=np.repeat(found.confidence, 2))
+    return Layer(corners, faces, label=PLANES_LABEL, face_quality=np.repeat(found.confidence, 2))
 
 
 FILTER = Filter(
@@ -99,10 +98,10 @@ FILTER = Filter(
         "Pairs of even samples vote for the planes that map one onto the other; affinity "
         "propagation clusters the votes; every exemplar is refined on the dense cloud and "
         "verified, with holes told from contradictions. The planes are added as the layer "
-        f"`{LABEL}`: one rectangle a plane, best first, face quality = confidence. Move or redraw "
-        "them by hand if you like; *Mirror-Complete Points* reads what is there. When no plane "
-        "can be trusted there is no layer, and `planes` has the shape (0, 4). The current layer "
-        "stays the scan.\n\n"
+        f"`{PLANES_LABEL}`: one rectangle a plane, best first, face quality = confidence. Move or "
+        "redraw them by hand if you like; *Mirror-Complete Points* reads what is there. When no "
+        "plane can be trusted there is no layer, and `planes` has the shape (0, 4). The current "
+        "layer stays the scan.\n\n"
         "Returns `planes` (k, 4), rows (A, B, C, D) with unit normal and Ax + By + Cz + D = 0; "
         "`support`, the share of points with a mirror partner; `residual`, the RMS distance of "
         "partners in box diagonals; `confidence`, 0 to 1; `converged`."
@@ -112,7 +111,7 @@ FILTER = Filter(
     meshlab_class="PointSet",
     category="Measurement/Geometric",
     requires=("points",),
-    creates=(LABEL,),
+    creates=(PLANES_LABEL,),
     citations=(
         Citation(
             "B. J. Frey, D. Dueck",

@@ -20,6 +20,7 @@ __all__ = [
     "as_normals",
     "as_planes",
     "as_points",
+    "as_scalars",
 ]
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -30,24 +31,32 @@ Faces: TypeAlias = NDArray[np.int64]  # (m, 3)
 Planes: TypeAlias = NDArray[np.float64]  # (k, 4)  unit normal A, B, C and offset D
 
 
-def _as_rows(values: ArrayLike, width: int, what: str) -> Floats:
+def _as_floats(values: ArrayLike, what: str, shape: str) -> Floats:
     try:
-        rows = np.array(values, dtype=np.float64)
+        return np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        message = f"{what} must be numbers in an array of shape (n, {width}); got {values!r:.60}"
+        message = f"{what} must be numbers in an array of shape {shape}; got {values!r:.60}"
         raise GeometryError(message) from error
+
+
+def _check_finite(values: Floats, what: str, unit: str) -> None:
+    finite = np.isfinite(values).all(axis=tuple(range(1, values.ndim)))
+    if not finite.all():
+        message = (
+            f"{what} must be finite; got {np.count_nonzero(~finite)} {unit} with NaN or infinity, "
+            f"the first at index {np.argmin(finite)}; remove them first"
+        )
+        raise GeometryError(message)
+
+
+def _as_rows(values: ArrayLike, width: int, what: str) -> Floats:
+    rows = _as_floats(values, what, f"(n, {width})")
     if rows.size == 0:
         rows = rows.reshape(0, width)
     if rows.ndim != 2 or rows.shape[1] != width:
         message = f"{what} must have shape (n, {width}); got {rows.shape}; reshape the array"
         raise GeometryError(message)
-    finite = np.isfinite(rows).all(axis=1)
-    if not finite.all():
-        message = (
-            f"{what} must be finite; got {np.count_nonzero(~finite)} rows with NaN or infinity, "
-            f"the first at index {np.argmin(finite)}; remove them first"
-        )
-        raise GeometryError(message)
+    _check_finite(rows, what, "rows")
     rows.setflags(write=False)
     return rows
 
@@ -80,6 +89,28 @@ def as_normals(values: ArrayLike, count: int) -> Points:
         message = f"{count} normals are needed, one a point; got {len(normals)}; estimate them anew"
         raise GeometryError(message)
     return normals
+
+
+def as_scalars(values: ArrayLike, count: int, what: str) -> Floats:
+    """Return a read-only (count,) float64 copy of finite numbers, one for each point.
+
+    ``what`` they are is the subject of the error's sentence, such as ``weights``.
+
+    Raises
+    ------
+    GeometryError
+        Wrong shape or count, or a number that is not finite.
+    """
+    scalars = _as_floats(values, what, f"({count},)")
+    if scalars.shape != (count,):
+        message = (
+            f"{what} must have shape ({count},), one a point; got {scalars.shape}; "
+            "take them from the same step as the points"
+        )
+        raise GeometryError(message)
+    _check_finite(scalars, what, "values")
+    scalars.setflags(write=False)
+    return scalars
 
 
 def as_planes(values: ArrayLike) -> Planes:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
 import pymeshlab
 import pytest
 
+import meshlab_symrecon
 from meshlab_symrecon.geometry.surfaces import topology
 from meshlab_symrecon.host.steps import registry, run_filter
 from meshlab_symrecon.plugin.documentation import filters_page
@@ -23,6 +25,14 @@ def test_the_filters_page_is_up_to_date():
     ours = [item for item in registry() if item.run.__module__.startswith("meshlab_symrecon.")]
     page = ROOT.joinpath("docs/filters.md").read_text(encoding="utf-8")
     assert page == filters_page(ours), "run 'make docs'"
+
+
+def test_every_document_names_this_version():
+    assert metadata.version("meshlab_symrecon") == meshlab_symrecon.__version__
+    citation = ROOT.joinpath("CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {meshlab_symrecon.__version__}\n" in citation
+    changes = ROOT.joinpath("CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"\n## {meshlab_symrecon.__version__}\n" in changes
 
 
 def test_the_python_of_the_readme_runs(tmp_path):
@@ -52,6 +62,10 @@ def test_the_kernel_of_the_readme_runs():
     names = {"points": mesh_set.current_mesh().vertex_matrix()}
     exec(code[1], names)
     assert names["solid"].topology.closed
+
+
+def test_no_placeholder_is_left():
+    assert re.findall(r"@[A-Z]+@", README) == []
 
 
 def test_links_of_the_documents_lead_somewhere():

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from meshlab_symrecon.filters.mirror_completed_points import FILTER
 
+from meshlab_symrecon.filters.mirror_completed_points import FILTER
 from meshlab_symrecon.plugin import Layer, Layers
 
 NO_FACES = np.zeros((0, 3), dtype=np.int64)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,20 +11,21 @@ from typing import Any
 import click
 
 from meshlab_symrecon import __version__
+from meshlab_symrecon.cli.method import (
+    COMPLETED,
+    LABELS,
+    SCAN,
+    SURFACE,
+    Reconstruction,
+    parameters_as_run,
+    whole_method,
+)
 from meshlab_symrecon.cli.progress import progress_bar
 from meshlab_symrecon.errors import SymReconError
 
 __all__ = ["reconstruct"]
 
-DETECT = "generate_reflection_planes"
-COMPLETE = "generate_mirror_completed_points"
-CLOSE = "generate_surface_reconstruction_power_crust"
-SHARES = {"compute_normal_for_point_clouds": 0.05, DETECT: 0.4, COMPLETE: 0.05, CLOSE: 0.5}
-SCAN, PLANES, COMPLETED, SURFACE = LABELS = (
-    "scan", "reflection planes", "completed points", "surface",
-)  # fmt: skip
-PICTURES = ("png", "pdf", "svg", "jpg")
-SEED = "randomseed"
+PICTURES = ("png",)
 SEED_LIMIT = 2**31 - 1
 
 
@@ -37,18 +37,6 @@ class Outputs:
     project: Path | None
     report: Path | None
     preview: Path | None
-
-
-@dataclass(frozen=True, slots=True)
-class Reconstruction:
-    """The document after the whole method, its layers, and what each filter measured."""
-
-    mesh_set: Any
-    layers: Mapping[str, int]  # label: identifier
-    points: int
-    found: Mapping[str, Any]
-    completed: Mapping[str, Any]
-    surface: Mapping[str, Any]
 
 
 @click.command()
@@ -97,11 +85,11 @@ def reconstruct(
     Says what it found. When SCAN has no mirror plane, a warning says so and the surface closes
     what was measured.
     """
-    from meshlab_symrecon.host.files import check_output, save_current
+    from meshlab_symrecon.host.files import save_current
 
     started = time.perf_counter()
     outputs = Outputs(output, project, report, preview)
-    _check_outputs(scan, outputs, check_output)
+    _check_outputs(scan, outputs)
     with progress_bar("reconstructing") as progress:
         result = whole_method(scan, seed, progress)
     save_current(result.mesh_set, output)
@@ -116,9 +104,10 @@ def reconstruct(
     click.echo(f"written         {output} in {seconds:.1f} s")
 
 
-def _check_outputs(scan: Path, outputs: Outputs, check_output: Callable[..., None]) -> None:
+def _check_outputs(scan: Path, outputs: Outputs) -> None:
     """Refuse every bad output path before the work starts."""
-    from meshlab_symrecon.host.files import PROJECT, layer_files
+    from meshlab_symrecon.host.files import check_output
+    from meshlab_symrecon.host.projects import PROJECT, layer_files
 
     check_output(outputs.surface, [scan])
     used = [scan, outputs.surface]
@@ -130,86 +119,17 @@ def _check_outputs(scan: Path, outputs: Outputs, check_output: Callable[..., Non
     if outputs.project is not None:
         for name in layer_files(outputs.project, dict(enumerate(LABELS))).values():
             check_output(outputs.project.parent / name, used)
-    if outputs.preview is not None:
-        missing = [
-            name for name in ("matplotlib", "meshlab_symrecon.pictures") if find_spec(name) is None
-        ]
-        if missing:
-            message = (
-                f"--preview needs {missing[0]}, which is not installed; run "
-                "pip install 'meshlab-symrecon[report]'"
-            )
-            raise SymReconError(message)
-
-
-def whole_method(scan: Path, seed: int, progress: Callable[[float, str], None]) -> Reconstruction:
-    """Load a scan and run the filters of the documented chain on it."""
-    from meshlab_symrecon.host.files import load
-    from meshlab_symrecon.host.meshset import current_identifier
-
-    progress(0.0, f"reading {scan.name}")
-    mesh_set = load(scan)
-    layers = {SCAN: current_identifier(mesh_set)}
-    points = mesh_set.current_mesh().vertex_number()
-    run = _runner(mesh_set, seed, progress)
-    run("compute_normal_for_point_clouds", "normals")
-    found = run(DETECT, "looking for mirror planes")
-    completed: Mapping[str, Any] = {"measured": points, "mirrored": 0}
-    if len(found["planes"]):
-        layers[PLANES] = _newest(mesh_set)
-        completed = run(COMPLETE, "mirroring points")
-        layers[COMPLETED] = current_identifier(mesh_set)
-    surface = run(CLOSE, "closing the surface")
-    layers[SURFACE] = current_identifier(mesh_set)
-    return Reconstruction(mesh_set, layers, points, found, completed, surface)
-
-
-def _runner(
-    mesh_set: Any, seed: int, progress: Callable[[float, str], None]
-) -> Callable[[str, str], Mapping[str, Any]]:
-    """Return a function that runs one filter with its defaults and the seed."""
-    from meshlab_symrecon.host.registration import apply_filter
-
-    done = 0.0
-
-    def run(name: str, title: str) -> Mapping[str, Any]:
-        nonlocal done
-        start, share = done, SHARES[name]
-        progress(start, title)
-        measures = apply_filter(
-            mesh_set,
-            name,
-            progress=lambda fraction, _: progress(start + share * fraction, title),
-            **_seeded(name, seed),
+    if outputs.preview is not None and find_spec("matplotlib") is None:
+        message = (
+            "--preview needs matplotlib, which is not installed; run "
+            "pip install 'meshlab-symrecon[report]'"
         )
-        done = start + share
-        return measures
-
-    return run
-
-
-def _seeded(name: str, seed: int) -> dict[str, int]:
-    """Return the seed as a parameter of a filter that declares one."""
-    from meshlab_symrecon.host.registration import registry
-
-    declared = registry().find(name).parameters.declared() if name in registry() else ()
-    return {SEED: seed} if SEED in (parameter.name for parameter in declared) else {}
-
-
-def _bound(name: str, seed: int) -> Mapping[str, Any]:
-    """Return every parameter of one of our filters as it ran."""
-    from meshlab_symrecon.host.registration import registry
-
-    return registry().find(name).bind(_seeded(name, seed)).values()
-
-
-def _newest(mesh_set: Any) -> int:
-    return max(int(mesh.id()) for mesh in mesh_set)
+        raise SymReconError(message)
 
 
 def _write_extras(scan: Path, outputs: Outputs, result: Reconstruction) -> None:
     if outputs.project is not None:
-        from meshlab_symrecon.host.files import save_project
+        from meshlab_symrecon.host.projects import save_project
 
         labels = {identifier: label for label, identifier in result.layers.items()}
         save_project(
@@ -282,9 +202,6 @@ def as_data(
         "input": str(scan),
         "output": str(outputs.surface),
         "project": None if outputs.project is None else str(outputs.project),
-        "parameters": {
-            SEED: seed,
-            **{name: _bound(name, seed) for name in (DETECT, COMPLETE, CLOSE)},
-        },
+        "parameters": parameters_as_run(seed),
         "versions": {"meshlab_symrecon": __version__, "pymeshlab": version("pymeshlab")},
     }

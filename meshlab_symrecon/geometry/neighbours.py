@@ -20,6 +20,9 @@ __all__ = [
     "without_outliers",
 ]
 
+FREE_ANGLE = np.radians(105.0)  # a straight rim leaves 180, an even interior at most about 60
+VOTERS, ENOUGH_VOTES = 9, 4  # the point itself counts
+
 
 def local_spacing(points: Points, neighbours: int = 4) -> Floats:
     """Return the mean distance of each point to its nearest neighbours.
@@ -124,8 +127,8 @@ def tangent_bases(normals: Points) -> tuple[Floats, Floats]:
 def border_points(points: Points, normals: Points, neighbours: int = 24) -> Booleans:
     """Find the points on the border of an open surface, such as the rim of a hole.
 
-    Seen in the tangent plane, the neighbours of a border point leave an angle free. A majority vote
-    among nearby points removes chance gaps.
+    Seen in the tangent plane, the neighbours of a border point leave an angle free. A vote among
+    nearby points removes chance gaps.
 
     Parameters
     ----------
@@ -141,8 +144,6 @@ def border_points(points: Points, normals: Points, neighbours: int = 24) -> Bool
     (n,) bool
         True on the border.
     """
-    free_angle = np.radians(105.0)  # a straight rim leaves 180, an even interior at most about 60
-    voters, majority = 9, 4
     nearest = min(neighbours + 1, len(points))
     members = cKDTree(points).query(points, k=nearest)[1].reshape(len(points), nearest)
     offsets = points[members[:, 1:]] - points[:, np.newaxis]
@@ -151,9 +152,9 @@ def border_points(points: Points, normals: Points, neighbours: int = 24) -> Bool
     across = np.einsum("nki,ni->nk", offsets, second)
     angles = np.sort(np.arctan2(across, along), axis=1)
     gaps = np.diff(angles, axis=1, append=angles[:, :1] + 2.0 * np.pi)
-    open_points = gaps.max(axis=1, initial=0.0) > free_angle
-    votes = open_points[members[:, :voters]].sum(axis=1)
-    border: Booleans = votes >= majority
+    open_points = gaps.max(axis=1, initial=0.0) > FREE_ANGLE
+    votes = open_points[members[:, :VOTERS]].sum(axis=1)
+    border: Booleans = votes >= ENOUGH_VOTES
     return border
 
 

@@ -9,8 +9,9 @@ from scipy.sparse.csgraph import connected_components
 from meshlab_symrecon.arrays import Faces, Floats, Planes, Points
 from meshlab_symrecon.errors import GeometryError
 
-__all__ = ["planes_as_quads", "planes_of_pieces"]
+__all__ = ["PLANES_LABEL", "planes_as_quads", "planes_of_pieces"]
 
+PLANES_LABEL = "reflection planes"  # of the layer in which planes travel from filter to filter
 UNEVEN = 1e-2  # of a piece's size: a thicker piece is no plane that somebody moved or drew
 NEEDLE = 1e-9  # of a piece's size: a narrower piece has no direction to face
 

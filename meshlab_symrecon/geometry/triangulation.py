@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshlab_symrecon import _native
-from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points, as_points
+from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points, as_points, as_scalars
 from meshlab_symrecon.errors import GeometryError
 
 __all__ = ["Triangulation", "circumcentres", "delaunay", "regular_triangulation"]
@@ -102,7 +102,7 @@ def regular_triangulation(
     `delaunay`.
     """
     positions = as_points(points)
-    return _triangulate(positions, _as_weights(weights, len(positions)), progress)
+    return _triangulate(positions, as_scalars(weights, len(positions), "weights"), progress)
 
 
 def circumcentres(triangulation: Triangulation, chosen: Indices | None = None) -> Points:
@@ -124,26 +124,6 @@ def circumcentres(triangulation: Triangulation, chosen: Indices | None = None) -
     """
     cells = triangulation.cells if chosen is None else triangulation.cells[chosen]
     return _native.orthocentres(triangulation.sites, triangulation.weights, cells)
-
-
-def _as_weights(values: ArrayLike, count: int) -> Floats:
-    try:
-        weights = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        message = f"weights must be {count} numbers, one a point; got {values!r:.60}"
-        raise GeometryError(message) from error
-    if weights.shape != (count,):
-        message = f"weights must have shape ({count},), one a point; got {weights.shape}"
-        raise GeometryError(message)
-    finite = np.isfinite(weights)
-    if not finite.all():
-        message = (
-            f"weights must be finite; got {np.count_nonzero(~finite)} NaN or infinity, the first "
-            f"at index {np.argmin(finite)}; remove those points first"
-        )
-        raise GeometryError(message)
-    weights.setflags(write=False)
-    return weights
 
 
 def _triangulate(sites: Points, weights: Floats, progress: Progress | None) -> Triangulation:

@@ -1,14 +1,12 @@
-"""Meshes and projects in files: checked before they are read, whole or not at all when written."""
+"""Meshes in files: checked before they are read, whole or not at all when written."""
 
 from __future__ import annotations
 
 import locale
-import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 import pymeshlab
@@ -22,15 +20,13 @@ from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.plugin import Layer
 
 __all__ = [
-    "PROJECT",
     "READABLE",
     "WRITABLE",
     "check_output",
-    "layer_files",
     "load",
     "new_document",
     "save_current",
-    "save_project",
+    "write_layer",
 ]
 
 READABLE = (
@@ -53,7 +49,6 @@ WRITABLE: dict[str, tuple[str, ...]] = {
     "wrl": ("vertex_color",),
     "x3d": ("vertex_normal", "vertex_color", "face_color"),
 }  # extension: what the format can hold beside points and faces, and what MeshLab may leave out
-PROJECT = "mlp"
 FACES_ONLY = ("stl", "3ds", "dxf", "wrl")  # points outside faces are lost in these
 POINTS_ONLY = ("xyz", "e57")
 UNREPORTED = ("xyz", "3mf", "dae", "e57", "wrl", "x3d")  # exporters that hide a full disk
@@ -201,80 +196,22 @@ def save_current(mesh_set: Any, path: str | Path) -> None:
     if identifier < 0:
         raise FileError(f"{path} cannot be written: the document is empty; load a layer first")
     with replacing(path) as staged:
-        _write(mesh_set, identifier, path, staged)
+        write_layer(mesh_set, identifier, path, staged)
 
 
-def save_project(
-    mesh_set: Any,
-    path: str | Path,
-    inputs: Iterable[str | Path] = (),
-    labels: Mapping[int, str] | None = None,
-) -> None:
-    """Save every layer beside a MeshLab project that lists them, in world coordinates.
-
-    The layers' files are named after the project and the layers: ``name-label.ply``.
-
-    Parameters
-    ----------
-    mesh_set : pymeshlab.MeshSet
-    path : str or Path
-    inputs : iterable of str or Path
-        Files that must stay as they are.
-    labels : mapping of int to str, optional
-        Labels in the project, by layer identifier; the layers' own where left out.
+def write_layer(mesh_set: Any, identifier: int, path: Path, staged: Path) -> None:
+    """Write one layer to ``staged``, in world coordinates; ``path`` is what messages call it.
 
     Raises
     ------
     FileError
-        The path does not end in ``.mlp``, a file would take the place of one of ``inputs``, no
-        such directory, or the system refused.
+        The format holds nothing of the layer, or the system refused.
+
+    Warns
+    -----
+    SymReconWarning
+        The format loses points that belong to no face.
     """
-    path = Path(path)
-    inputs = tuple(inputs)
-    check_output(path, inputs, (PROJECT,))
-    shown = {mesh.id(): mesh.label() for mesh in mesh_set} | dict(labels or {})
-    names = layer_files(path, shown)
-    for name in names.values():
-        check_output(path.parent / name, inputs)
-    with replacing(path) as staged:
-        for identifier, name in names.items():
-            _write(mesh_set, identifier, path.parent / name, staged.parent / name)
-        staged.write_bytes(_project_text(shown, names).encode("utf-8"))
-
-
-def layer_files(project: Path, labels: Mapping[int, str]) -> dict[int, str]:
-    """Return the name of each layer's file beside a project, by layer identifier."""
-    names: dict[int, str] = {}
-    for identifier, label in labels.items():
-        plain = re.sub(r"[^\w.-]+", "-", label).strip("-") or "layer"
-        name = f"{project.stem}-{plain}.ply"
-        if name.lower() in (other.lower() for other in names.values()):
-            name = f"{project.stem}-{plain}-{identifier}.ply"
-        names[identifier] = name
-    return names
-
-
-def _project_text(labels: Mapping[int, str], names: Mapping[int, str]) -> str:
-    root = ElementTree.Element("MeshLabProject")
-    group = ElementTree.SubElement(root, "MeshGroup")
-    for identifier, name in names.items():
-        attributes = {
-            "label": labels[identifier],
-            "idInFile": "-1",
-            "filename": name,
-            "visible": "1",
-        }
-        matrix = ElementTree.SubElement(
-            ElementTree.SubElement(group, "MLMesh", attributes), "MLMatrix44"
-        )
-        matrix.text = "\n1 0 0 0 \n0 1 0 0 \n0 0 1 0 \n0 0 0 1 \n"
-    ElementTree.SubElement(root, "RasterGroup")
-    ElementTree.indent(root, " ")
-    return f"<!DOCTYPE MeshLabDocument>\n{ElementTree.tostring(root, encoding='unicode')}\n"
-
-
-def _write(mesh_set: Any, identifier: int, path: Path, staged: Path) -> None:
-    """Write one layer to ``staged``; ``path`` is what messages call it."""
     extension = path.suffix.removeprefix(".").lower()
     layer = read_layer(mesh_set, identifier)
     _check_losses(layer, path, extension)

@@ -23,7 +23,6 @@ __all__ = [
     "check_sound",
     "check_step",
     "check_vertices",
-    "needs_display",
     "reason_to_skip",
 ]
 
@@ -70,11 +69,6 @@ def check_step(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> 
         check_finite(mesh_set, item, values)
 
 
-def needs_display(item: NativeFilter) -> bool:
-    """Say whether the filter draws with OpenGL, for which pymeshlab's wheels have no window."""
-    return item.display
-
-
 def check_display(item: NativeFilter) -> None:
     """Refuse a filter that draws with OpenGL: it would abort the process.
 
@@ -82,7 +76,7 @@ def check_display(item: NativeFilter) -> None:
     ------
     HostError
     """
-    if needs_display(item):
+    if item.display:
         message = (
             f"'{item.menu_name}' draws with OpenGL, for which pymeshlab has no window; run that "
             "step in the MeshLab program"

@@ -18,6 +18,8 @@ from xml.etree import ElementTree
 from defusedxml.ElementTree import parse
 
 from meshlab_symrecon.errors import HostError
+from meshlab_symrecon.host.mlx import choice_attributes
+from meshlab_symrecon.host.native_values import SPREAD
 from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.plugin import Filter, ParameterSet
 from meshlab_symrecon.plugin.parameters import Kind, Value
@@ -46,9 +48,8 @@ def _text(attributes: Mapping[str, str]) -> str:
     """Join what the native writer spreads over several attributes."""
     if "value" in attributes:
         return attributes["value"]
-    rows = (("x", "y", "z"), ("r", "g", "b", "a"), tuple(f"val{number}" for number in range(16)))
-    parts = next((row for row in rows if row[0] in attributes), ())
-    return " ".join(attributes[part] for part in parts)
+    spread = SPREAD.get(attributes.get("type", ""), ())
+    return " ".join(attributes[part] for part in spread)
 
 
 def record(mesh_set: Any, item: Filter, parameters: ParameterSet) -> bool:
@@ -104,16 +105,13 @@ def step_element(item: Filter, parameters: ParameterSet) -> ElementTree.Element:
     element = ElementTree.Element("filter", name=item.menu_name)
     values = parameters.values()
     for parameter in parameters.declared():
-        kind = parameter.kind
+        value = values[parameter.name]
         attributes = {
-            "type": _type_that_survives(kind, values[parameter.name]),
+            "type": _type_that_survives(parameter.kind, value),
             "name": parameter.name,
-            "value": parameter.format(values[parameter.name]),
+            "value": parameter.format(value),
         }
-        if kind is Kind.CHOICE:
-            attributes["enum_cardinality"] = str(len(parameter.choices))
-            attributes |= {f"enum_val{n}": word for n, word in enumerate(parameter.choices)}
-        ElementTree.SubElement(element, "Param", attributes)
+        ElementTree.SubElement(element, "Param", attributes | choice_attributes(parameter))
     return element
 
 

@@ -21,7 +21,15 @@ from meshlab_symrecon.host.atomic import reason, replacing
 from meshlab_symrecon.plugin.filter import Filter
 from meshlab_symrecon.plugin.parameters import Kind, Parameter, Value
 
-__all__ = ["Param", "Script", "Step", "read_script", "step_of", "write_script"]
+__all__ = [
+    "Param",
+    "Script",
+    "Step",
+    "choice_attributes",
+    "read_script",
+    "step_of",
+    "write_script",
+]
 
 HEADER = "<!DOCTYPE FilterScript>\n"
 ROOT = "FilterScript"
@@ -220,8 +228,13 @@ def step_of(item: Filter, values: Mapping[str, object]) -> Step:
 
 
 def _param_of(declared: Parameter, value: Value) -> Param:
-    attributes = {}
-    if declared.kind is Kind.CHOICE:
-        attributes = {"enum_cardinality": str(len(declared.choices))}
-        attributes |= {f"enum_val{n}": word for n, word in enumerate(declared.choices)}
-    return Param(declared.name, 0, declared.kind.rich_type, declared.format(value), attributes)
+    text = declared.format(value)
+    return Param(declared.name, 0, declared.kind.rich_type, text, choice_attributes(declared))
+
+
+def choice_attributes(declared: Parameter) -> dict[str, str]:
+    """Return the attributes in which scripts list the words of a choice; none for other kinds."""
+    if declared.kind is not Kind.CHOICE:
+        return {}
+    words = {f"enum_val{number}": word for number, word in enumerate(declared.choices)}
+    return {"enum_cardinality": str(len(declared.choices)), **words}

@@ -13,12 +13,12 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from meshlab_symrecon.errors import ParameterError, UnknownFilterError
+from meshlab_symrecon.errors import UnknownFilterError
 from meshlab_symrecon.host.guards import check_step, reason_to_skip
 from meshlab_symrecon.host.native_values import NativeParameter, checked_value
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.translation import script_name_in_python, translated
-from meshlab_symrecon.plugin.parameters import nearest_names
+from meshlab_symrecon.plugin.parameters import nearest_names, unknown_parameter
 from meshlab_symrecon.plugin.registry import plain_name
 
 __all__ = ["NativeFilter", "apply_native", "find_native", "is_native", "native_filters"]
@@ -63,11 +63,7 @@ class NativeFilter:
             if parameter.name == wanted:
                 return parameter
         names = [parameter.name for parameter in self.parameters]
-        known = f"; known are {', '.join(names)}" if names else "; this filter has no parameters"
-        message = (
-            f"unknown parameter '{name}' of '{self.menu_name}'{nearest_names(name, names) or known}"
-        )
-        raise ParameterError(message)
+        raise unknown_parameter(name, names, self.menu_name)
 
 
 @cache

@@ -13,10 +13,17 @@ import numpy as np
 import pymeshlab
 
 from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.plugin.parameters import WORDS_OF_BOOLEANS, chosen_word
 
-__all__ = ["NativeParameter", "checked_value", "parse_native"]
+__all__ = ["SPREAD", "NativeParameter", "checked_value", "parse_native"]
 
-_WORDS_OF_BOOLEANS = {"true": True, "false": False, "1": True, "0": False}
+SPREAD = {  # types that keep their value in several attributes
+    "RichColor": ("r", "g", "b", "a"),
+    "RichPosition": ("x", "y", "z"),
+    "RichDirection": ("x", "y", "z"),
+    "RichPoint3f": ("x", "y", "z"),
+    "RichMatrix44f": tuple(f"val{number}" for number in range(16)),
+}
 _NUMBERS_IN = {"RichPosition": 3, "RichDirection": 3, "RichPoint3f": 3, "RichMatrix44f": 16}
 
 
@@ -85,9 +92,9 @@ def parse_native(parameter: NativeParameter, text: str) -> Any:
     if kind in ("RichString", "RichOpenFile", "RichSaveFile"):
         return text
     if kind == "RichBool":
-        if trimmed.lower() not in _WORDS_OF_BOOLEANS:
+        if trimmed.lower() not in WORDS_OF_BOOLEANS:
             raise _refusal(parameter, text)
-        return _WORDS_OF_BOOLEANS[trimmed.lower()]
+        return WORDS_OF_BOOLEANS[trimmed.lower()]
     if kind == "RichEnum":
         return _word(parameter, int(trimmed) if trimmed.isdecimal() else trimmed)
     try:
@@ -141,14 +148,10 @@ def _length(parameter: NativeParameter, value: object) -> Any:
 
 
 def _word(parameter: NativeParameter, value: object) -> str:
-    plain = _plain(value)
-    if isinstance(plain, str):
-        for word in parameter.words:
-            if word.lower() == plain.lower():
-                return word
-    elif type(plain) is int and plain in range(len(parameter.words)):
-        return parameter.words[plain]
-    raise _refusal(parameter, value)
+    word = chosen_word(_plain(value), parameter.words)
+    if word is None:
+        raise _refusal(parameter, value)
+    return word
 
 
 def _text(parameter: NativeParameter, value: object) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 
 import pymeshlab
 
-from meshlab_symrecon.errors import PluginError, SymReconWarning
+from meshlab_symrecon.errors import PluginError
 from meshlab_symrecon.host import history
 from meshlab_symrecon.host.native_filters import is_native
 from meshlab_symrecon.host.notices import warn_user
@@ -25,7 +25,6 @@ from meshlab_symrecon.plugin.documentation import method_documentation
 from meshlab_symrecon.plugin.registry import Registry
 
 __all__ = [
-    "SymReconWarning",
     "apply_filter",
     "filter_list",
     "find_filter",

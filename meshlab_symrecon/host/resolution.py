@@ -18,7 +18,7 @@ from meshlab_symrecon.host.native_filters import (
     is_native,
     native_filters,
 )
-from meshlab_symrecon.host.native_values import NativeParameter, parse_native
+from meshlab_symrecon.host.native_values import SPREAD, NativeParameter, parse_native
 from meshlab_symrecon.host.old_names import (
     CHANGE_LAYER,
     NOTHING,
@@ -28,17 +28,10 @@ from meshlab_symrecon.host.old_names import (
 )
 from meshlab_symrecon.host.steps import find_filter, registry
 from meshlab_symrecon.plugin import Filter
-from meshlab_symrecon.plugin.parameters import Kind, Parameter, nearest_names
+from meshlab_symrecon.plugin.parameters import Kind, nearest_names
 
 __all__ = ["ResolvedStep", "find_any", "resolve_script"]
 
-SPREAD = {  # types that keep their value in several attributes
-    "RichColor": ("r", "g", "b", "a"),
-    "RichPosition": ("x", "y", "z"),
-    "RichDirection": ("x", "y", "z"),
-    "RichPoint3f": ("x", "y", "z"),
-    "RichMatrix44f": tuple(f"val{number}" for number in range(16)),
-}
 CAMERA, LAYER, INPUT_FILE = "RichShotf", "RichMesh", "RichOpenFile"
 WHOLE = ("RichInt", "RichMesh", "RichEnum")
 WHOLE_AS_FRACTION = re.compile(r"[+-]?\d+\.0*")  # old scripts write whole numbers like this
@@ -152,7 +145,7 @@ def _resolved_plugin(step: Step, item: Filter, findings: _Findings) -> ResolvedS
     before = len(findings.lines)
     for written in step.parameters:
         with findings.at(written.line):
-            known = _declared(item, written.name)
+            known = item.find(written.name)
             if written.text is None:
                 raise ParameterError(f"parameter '{written.name}' has no value")
             values[known.name] = known.parse(written.text)
@@ -161,15 +154,6 @@ def _resolved_plugin(step: Step, item: Filter, findings: _Findings) -> ResolvedS
     if len(findings.lines) == before:
         item.bind(values)
     return ResolvedStep(step, item, values, tuple(layers))
-
-
-def _declared(item: Filter, name: str) -> Parameter:
-    for parameter in item.parameters.declared():
-        if parameter.name.lower() == name.strip().lower():
-            return parameter
-    names = [parameter.name for parameter in item.parameters.declared()]
-    hint = nearest_names(name, names) or f"; known are {', '.join(names) or 'none'}"
-    raise ParameterError(f"unknown parameter '{name}' of '{item.menu_name}'{hint}")
 
 
 def _resolved_native(

@@ -210,6 +210,6 @@ def _prepared(step: history.Step) -> Callable[[Any], object]:
         return lambda mesh_set: apply_native(mesh_set, native.python_name, values)
     item = find_filter(step.menu_name)
     for name, text in step.texts.items():
-        values[name] = item.parameters.find(name).parse(text)
+        values[name] = item.find(name).parse(text)
     item.bind(values)
     return lambda mesh_set: run_filter(mesh_set, item, values)

@@ -75,9 +75,7 @@ Centres orthocentres(const PointArray& points, const FloatArray& weights, const 
       centres[i] = orthocentre(sites[vertex[0]], sites[vertex[1]], sites[vertex[2]], sites[vertex[3]]);
     }
   }
-  auto* owned = new std::vector<Point>(std::move(centres));
-  nb::capsule owner(owned, [](void* pointer) noexcept { delete static_cast<std::vector<Point>*>(pointer); });
-  return Centres(owned->data(), {count, 3}, owner);
+  return to_numpy<Centres>(std::move(centres), {count, 3});
 }
 
 // The stages of a predicate apart, for the tests: a stage that claims a sign must be right.

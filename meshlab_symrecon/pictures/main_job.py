@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshlab_symrecon.arrays import Booleans, Floats, Points, as_faces, as_planes, as_points
-from meshlab_symrecon.errors import GeometryError, ParameterError
+from meshlab_symrecon.arrays import Booleans, Points, as_faces, as_planes, as_points, as_scalars
+from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.pictures.figure import Panel, save_panels
 from meshlab_symrecon.pictures.projection import Camera, fit, open_screen
 from meshlab_symrecon.pictures.renderer import render
@@ -68,7 +68,7 @@ def _count(number: int) -> str:
     return f"{number:,}".replace(",", "\N{THIN SPACE}")
 
 
-def main_job_picture(  # noqa: PLR0913, PLR0917  the six arrays of the whole method, in its order
+def main_job_picture(  # noqa: PLR0913, PLR0917  the seven arrays of the whole method, in its order
     scan_points: ArrayLike,
     planes: ArrayLike,
     completed_points: ArrayLike,
@@ -119,10 +119,10 @@ def main_job_picture(  # noqa: PLR0913, PLR0917  the six arrays of the whole met
     scan = as_points(scan_points, minimum=1)
     mirror = as_planes(planes)
     completed = as_points(completed_points, minimum=1)
-    mirrored = _as_vector(mirrored_mask, len(completed), "mirrored_mask").astype(bool)
+    mirrored = as_scalars(mirrored_mask, len(completed), "mirrored_mask").astype(bool)
     vertices = as_points(surface_points)
     faces = as_faces(surface_faces, len(vertices))
-    share = _as_vector(surface_share_invented, len(vertices), "surface_share_invented")
+    share = as_scalars(surface_share_invented, len(vertices), "surface_share_invented")
     if captions is not None and len(captions) != 3:
         message = f"captions must be three, one a panel; got {len(captions)}; give '' for none"
         raise ParameterError(message)
@@ -147,18 +147,6 @@ def main_job_picture(  # noqa: PLR0913, PLR0917  the six arrays of the whole met
         swatches = legend if panels else ()
         panels.append(Panel(render(items, aimed, size), heading, tuple(lines), swatches))
     save_panels(path, panels, title)
-
-
-def _as_vector(values: ArrayLike, count: int, what: str) -> Floats:
-    """Return a (count,) float64 copy of finite values."""
-    vector = np.array(values, dtype=np.float64)
-    if vector.shape != (count,) or not np.isfinite(vector).all():
-        message = (
-            f"{what} must hold {count} finite values, one a point; got shape {vector.shape}; "
-            "take it from the same step as the points"
-        )
-        raise GeometryError(message)
-    return vector
 
 
 def _completed_cloud(points: Points, mirrored: Booleans, radius: float) -> PointCloud:

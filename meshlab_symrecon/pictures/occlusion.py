@@ -7,7 +7,7 @@ import numpy as np
 from meshlab_symrecon.arrays import Floats
 from meshlab_symrecon.pictures.relief import shifted
 
-__all__ = ["ambient_light"]
+__all__ = ["GOLDEN_ANGLE", "ambient_light"]
 
 TAPS = 40
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))  # spreads taps evenly over a disc

@@ -8,6 +8,7 @@ import numpy as np
 
 from meshlab_symrecon.arrays import Floats, Points
 from meshlab_symrecon.pictures.lighting import KEY
+from meshlab_symrecon.pictures.occlusion import GOLDEN_ANGLE
 from meshlab_symrecon.pictures.projection import Camera, Screen, open_screen
 from meshlab_symrecon.pictures.rasterisation import empty_buffer, scan_convert, splat_discs
 from meshlab_symrecon.pictures.scene import Item, PointCloud, TriangleMesh
@@ -65,7 +66,7 @@ def _soft_comparison(nearest: Floats, projected: Points) -> Floats:
     lit = np.zeros(len(projected))
     for tap in range(TAPS):
         distance = SOFTNESS * RESOLUTION * np.sqrt((tap + 0.5) / TAPS)
-        angle = tap * np.pi * (3.0 - np.sqrt(5.0))
+        angle = tap * GOLDEN_ANGLE
         columns = np.floor(projected[:, 0] + distance * np.cos(angle)).astype(np.int64)
         rows = np.floor(projected[:, 1] + distance * np.sin(angle)).astype(np.int64)
         columns, rows = columns.clip(0, RESOLUTION - 1), rows.clip(0, RESOLUTION - 1)

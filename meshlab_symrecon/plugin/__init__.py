@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from meshlab_symrecon.plugin.filter import Citation, Filter, Layer, Layers, Outcome, Progress
-from meshlab_symrecon.plugin.parameters import (
+from meshlab_symrecon.plugin.filter import Citation, Filter, Progress
+from meshlab_symrecon.plugin.layers import Layer, Layers, Outcome
+from meshlab_symrecon.plugin.parameter_sets import (
     ParameterSet,
     boolean,
     choice,

@@ -1,4 +1,4 @@
-"""What a filter is: its declaration, the layers it reads, and the outcome it returns.
+"""What a filter is: one declaration from which everything else derives.
 
 A filter file has four parts in this order: its ``Parameters``, checks across parameters,
 ``run(layers, parameters, progress) -> Outcome``, and ``FILTER = Filter(...)``.
@@ -6,21 +6,18 @@ A filter file has four parts in this order: its ``Parameters``, checks across pa
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from meshlab_symrecon.arrays import Booleans, Faces, Floats, Points
 from meshlab_symrecon.errors import GeometryError, ParameterError
-from meshlab_symrecon.plugin.parameters import ParameterSet
+from meshlab_symrecon.plugin.layers import Layer, Layers, Outcome
+from meshlab_symrecon.plugin.parameter_sets import ParameterSet
+from meshlab_symrecon.plugin.parameters import Parameter
 
 __all__ = [
     "Citation",
     "Filter",
-    "Layer",
-    "Layers",
-    "Outcome",
     "Progress",
     "no_check",
     "silent",
@@ -37,128 +34,6 @@ def silent(fraction: float, message: str) -> None:
 
 def no_check(parameters: Any) -> None:
     """Accept every combination of parameters."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Layer:
-    """One layer of a document, in world coordinates (its transform matrix already applied).
-
-    Attributes
-    ----------
-    points : (n, 3) float
-    faces : (m, 3) int
-        Triangles; shape (0, 3) for a cloud.
-    normals : (n, 3) float or None
-    colours : (n, 4) float or None
-        Red, green, blue, alpha in 0..1, one a vertex.
-    quality : (n,) float or None
-        MeshLab's vertex scalar.
-    face_quality : (m,) float or None
-    face_colours : (m, 4) float or None
-    selected : (n,) bool or None
-        MeshLab's vertex selection.
-    attributes : mapping of str to (n,) float
-        Custom scalars of the vertices.
-    label : str
-        The layer's name.
-    identifier : int
-        The document's number of the layer; -1 for one that is not in a document yet.
-    """
-
-    points: Points
-    faces: Faces
-    label: str = ""
-    normals: Points | None = None
-    colours: Floats | None = None
-    quality: Floats | None = None
-    face_quality: Floats | None = None
-    face_colours: Floats | None = None
-    selected: Booleans | None = None
-    attributes: Mapping[str, Floats] = field(default_factory=dict)
-    identifier: int = -1
-
-
-@dataclass(frozen=True, slots=True)
-class Layers:
-    """The layers of a document as a filter sees them; a layer is read when it is asked for.
-
-    Attributes
-    ----------
-    labels : mapping of int to str
-        Every layer's identifier and label, in the document's order.
-    current_identifier : int
-        The current layer; -1 when the document is empty.
-    read : callable
-        Returns the layer with a given identifier.
-    """
-
-    labels: Mapping[int, str]
-    current_identifier: int
-    read: Callable[[int], Layer]
-
-    def __iter__(self) -> Iterator[int]:
-        return iter(self.labels)
-
-    @property
-    def current(self) -> Layer:
-        """The current layer.
-
-        Raises
-        ------
-        GeometryError
-            The document is empty.
-        """
-        if self.current_identifier not in self.labels:
-            raise GeometryError("this filter needs a layer; got an empty document; load one first")
-        return self.read(self.current_identifier)
-
-    def get(self, identifier: int) -> Layer:
-        """Return the layer with that identifier.
-
-        Raises
-        ------
-        ParameterError
-            No layer has it.
-        """
-        if identifier not in self.labels:
-            known = ", ".join(f"{number} '{label}'" for number, label in self.labels.items())
-            message = f"no layer has the number {identifier}; the document has {known or 'none'}"
-            raise ParameterError(message)
-        return self.read(identifier)
-
-    def newest(self, label: str) -> Layer | None:
-        """Return the newest layer of a label, in any case.
-
-        What MeshLab appends does not count: ``(1)`` to a label that is taken, and the extension of
-        the file when a layer was loaded from one.
-        """
-        same = re.compile(rf"\s*{re.escape(label)}(\(.*|\.\w+)?\s*", re.IGNORECASE)
-        for identifier, name in sorted(self.labels.items(), reverse=True):
-            if same.fullmatch(name):
-                return self.read(identifier)
-        return None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Outcome:
-    """What a filter made.
-
-    Attributes
-    ----------
-    layers : tuple of Layer
-        New layers, added to the document in this order.
-    current : int or None
-        Which of the new layers becomes the current one; None leaves the current layer.
-    measures : mapping
-        What the Python method returns: numbers, booleans, texts and arrays by name.
-    warnings : tuple of str
-        Sentences the user should read.
-    """
-
-    layers: tuple[Layer, ...] = ()
-    current: int | None = 0
-    measures: Mapping[str, Any] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,6 +81,14 @@ class Filter:
         Labels of the layers it adds.
     arity : str
         ``SINGLE_MESH``, or ``VARIABLE`` when it reads other layers too.
+    citations : tuple of Citation
+        The publications that it follows.
+
+    Raises
+    ------
+    ParameterError
+        A Python name that is no lower-case identifier, a menu name with odd spaces, or an unknown
+        requirement.
     """
 
     menu_name: str
@@ -240,6 +123,16 @@ class Filter:
     def names(self) -> tuple[str, ...]:
         """Every name of the filter: Python name, aliases, menu name."""
         return (self.python_name, *self.aliases, self.menu_name)
+
+    def find(self, name: str) -> Parameter:
+        """Return the declaration of a parameter, by its name in any case.
+
+        Raises
+        ------
+        ParameterError
+            The filter has no such parameter.
+        """
+        return self.parameters.find(name, self.menu_name)
 
     def bind(self, values: Mapping[str, object]) -> ParameterSet:
         """Return checked parameters.

@@ -34,5 +34,8 @@ def carry_over(samples: Points, values: Floats, points: Points) -> Floats:
     weights = 1.0 / np.where(exact[:, None], 1.0, distance)
     weights[exact] = np.arange(count) == 0
     weights /= weights.sum(axis=1, keepdims=True)
-    carried: Floats = np.einsum("vk,vk...->v...", weights, values[nearest])
-    return carried
+    around = values[nearest]
+    carried = np.einsum("vk,vk...->v...", weights, around)
+    # weights add up to one but for rounding: keep shares within 0 and 1
+    within: Floats = np.clip(carried, around.min(axis=1), around.max(axis=1))
+    return within

@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Faces, Floats, Indices, Points
 from meshlab_symrecon.geometry.triangulation import Triangulation, circumcentres
-from meshlab_symrecon.powercrust.poles import CUBE, Poles
+from meshlab_symrecon.powercrust.poles import Poles
 
 __all__ = ["WELD", "Crust", "crust_faces"]
 
@@ -85,7 +85,7 @@ def _shared_sample(poles: Poles, cells: Indices) -> Indices:
     for slot in range(4):
         candidate = balls[:, 0, slot]
         in_all = (balls[:, 1:] == candidate[:, None, None]).any(axis=2).all(axis=1)
-        in_all &= candidate < len(poles.sites) - len(CUBE)
+        in_all &= candidate < poles.sample_count
         shared[in_all] = candidate[in_all]
     return shared
 
@@ -117,7 +117,7 @@ def _fans(offsets: Indices, corners: Indices) -> Faces:
 
 def _local_spacing(poles: Poles, vertices: Points) -> Floats:
     """Return the distance to the next sample at the sample nearest to each vertex."""
-    samples = poles.sites[: -len(CUBE)]
+    samples = poles.sites[: poles.sample_count]
     tree = cKDTree(samples)
     apart = tree.query(samples, k=2)[0][:, 1]
     spacing: Floats = apart[tree.query(vertices)[1]]

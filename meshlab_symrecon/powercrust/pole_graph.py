@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from meshlab_symrecon.arrays import Floats, Indices
 from meshlab_symrecon.geometry.triangulation import Triangulation
-from meshlab_symrecon.powercrust.poles import CUBE, Poles
+from meshlab_symrecon.powercrust.poles import Poles
 
 __all__ = ["Intersections", "Opposites", "intersections", "opposites"]
 
@@ -104,7 +104,7 @@ def _pairs_at_samples(
     sample = poles.samples[used].ravel()
     order = np.argsort(sample, kind="stable")
     sample, pole = sample[order], np.repeat(used, 4)[order]
-    kept = np.searchsorted(sample, len(poles.sites) - len(CUBE))
+    kept = np.searchsorted(sample, poles.sample_count)
     sample, pole = sample[:kept], pole[:kept]
     keys = []
     for step in range(1, MOST_PARTNERS):
@@ -122,7 +122,7 @@ def _trust(poles: Poles) -> Floats:
     farther away than the next samples.  An outlier's cell is round, and says nothing.  Where noise
     makes most cells round, only those rounder than usual are doubted.
     """
-    samples = poles.sites[: -len(CUBE)]
+    samples = poles.sites[: poles.sample_count]
     count = min(NEIGHBOURS + 1, len(samples))
     apart = cKDTree(samples).query(poles.sites[poles.pair_samples], k=count)[0]
     length = poles.radii[poles.pairs].min(axis=1) / apart[:, 1:].mean(axis=1)

@@ -48,6 +48,11 @@ class Poles:
     outermost: Booleans
 
     @property
+    def sample_count(self) -> int:
+        """Number of samples: the sites before the corners."""
+        return len(self.sites) - len(CUBE)
+
+    @property
     def rank(self) -> int:
         """Dimensions that the poles span; below 3 for a handful of cospherical samples."""
         spread = np.linalg.svd(self.centres - self.centres.mean(axis=0), compute_uv=False)

@@ -21,6 +21,7 @@ from meshlab_symrecon.powercrust.poles import enclose, find_poles
 
 __all__ = ["PowerCrust", "reconstruct"]
 
+NO_AXIS = MedialAxis(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3), dtype=np.int64))
 FEWEST = 5  # samples; four bound a tetrahedron that says nothing about a shape
 
 
@@ -104,7 +105,7 @@ def reconstruct(
         return _convex_hull(samples, centre, scale, len(poles.centres))
     report(0.8, "extracting the surface")
     crust = crust_faces(poles, diagram, labels.inside)
-    axis = medial_axis(poles, diagram, labels.inside & with_axis)
+    axis = medial_axis(poles, diagram, labels.inside) if with_axis else NO_AXIS
     report(1.0, "done")
     return PowerCrust(
         points=crust.points / scale + centre,
@@ -132,10 +133,8 @@ def _convex_hull(samples: Points, centre: Floats, scale: float, poles: int) -> P
     cell, corner = np.nonzero(cells.neighbours < 0)
     used, faces = np.unique(cells.cells[cell[:, None], sides[corner]], return_inverse=True)
     faces = faces.reshape(-1, 3).astype(np.int64)
-    axis = MedialAxis(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3), dtype=np.int64))
-    return PowerCrust(
-        samples[used] / scale + centre, faces, axis, topology(faces), poles, 0, 0, hull=True
-    )
+    surface = samples[used] / scale + centre
+    return PowerCrust(surface, faces, NO_AXIS, topology(faces), poles, 0, 0, hull=True)
 
 
 def _normalised(points: Points) -> tuple[Points, Floats, float]:

@@ -45,6 +45,11 @@ def covered(
         Of the cloud's box.
     outward : bool
         The normals behind ``facing`` tell inside from outside.
+
+    Returns
+    -------
+    (m,) bool
+        True where the image hovers; lengths are in the units of the points.
     """
     heights = np.einsum("ij,ij->i", offsets, upright)
     aside = np.sqrt(np.maximum(np.einsum("ij,ij->i", offsets, offsets) - heights**2, 0.0))

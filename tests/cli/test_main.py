@@ -91,14 +91,14 @@ from meshlab_symrecon.cli import reconstruct
 from meshlab_symrecon.cli.main import main
 from meshlab_symrecon.host import files
 
-real = files._write
+real = files.write_layer
 
 def slow(*given):
     real(*given)
     print("writing", flush=True)
     time.sleep(60)
 
-files._write = slow
+files.write_layer = slow
 reconstruct.whole_method = lambda scan, seed, progress: reconstruct.Reconstruction(
     files.load(scan), {}, 0, {}, {}, {}
 )

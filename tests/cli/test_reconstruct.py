@@ -12,6 +12,7 @@ import pytest
 
 import meshlab_symrecon
 from meshlab_symrecon.cli import reconstruct as command
+from meshlab_symrecon.cli.method import DETECT
 from meshlab_symrecon.errors import GeometryError
 from meshlab_symrecon.host.files import load
 from meshlab_symrecon.host.meshset import read_layer
@@ -78,7 +79,7 @@ def test_the_report_is_the_contracts(done, plane):
     assert report["seconds"] > 0
     assert report["versions"]["meshlab_symrecon"] == meshlab_symrecon.__version__
     parameters = report["parameters"]
-    assert parameters["randomseed"] == parameters[command.DETECT]["randomseed"] == 3
+    assert parameters["randomseed"] == parameters[DETECT]["randomseed"] == 3
 
 
 def test_the_surface_is_closed_and_faces_outward(done):
@@ -159,7 +160,7 @@ def test_without_a_plane_it_closes_what_was_measured(shell, lopsided, tmp_path):
         (["-o", "a.ply", "--json", "none/a.json"], "no directory is at"),
         (["-o", "a.ply", "--json", "{scan}"], "would overwrite"),
         (["-o", "a.ply", "--project", "p.ply"], "known are mlp"),
-        (["-o", "a.ply", "--preview", "p.txt"], "known are png"),
+        (["-o", "a.ply", "--preview", "p.pdf"], "known are png"),
         (["-o", "p-scan.ply", "--project", "p.mlp"], "would overwrite"),
     ],
 )
@@ -206,9 +207,7 @@ def test_the_preview_gets_every_layer(run, request, tmp_path, monkeypatch, name)
 
 
 def test_a_preview_without_matplotlib_is_refused_first(run, statue, tmp_path, monkeypatch):
-    monkeypatch.setattr(
-        command, "find_spec", lambda name: None if name == "matplotlib" else object()
-    )
+    monkeypatch.setattr(command, "find_spec", lambda name: None)
     monkeypatch.setattr(command, "whole_method", lambda *given: pytest.fail("the work started"))
     result = run("reconstruct", statue, "-o", tmp_path / "a.ply", "--preview", tmp_path / "a.png")
     assert result.exit_code == 1

@@ -364,8 +364,8 @@ def test_an_error_in_progress_stops_the_work():
     [
         (np.zeros(3), r"shape \(400,\)"),
         (np.zeros((400, 1)), r"shape \(400,\)"),
-        (["heavy"] * 400, "must be 400 numbers"),
-        (np.full(400, np.nan), "400 NaN or infinity"),
+        (["heavy"] * 400, r"must be numbers in an array of shape \(400,\)"),
+        (np.full(400, np.nan), "400 values with NaN or infinity"),
         (np.r_[np.zeros(399), np.inf], "index 399"),
     ],
 )

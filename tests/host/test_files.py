@@ -25,9 +25,9 @@ from meshlab_symrecon.host.files import (
     load,
     new_document,
     save_current,
-    save_project,
 )
 from meshlab_symrecon.host.meshset import add_layer, read_layer
+from meshlab_symrecon.host.projects import save_project
 from meshlab_symrecon.plugin import Layer
 
 HEADER = """ply

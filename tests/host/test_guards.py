@@ -10,10 +10,10 @@ import pymeshlab
 import pytest
 
 from meshlab_symrecon.errors import GeometryError, HostError, ParameterError, SymReconWarning
-from meshlab_symrecon.host.guards import EMPTY_CLOUDS, needs_display
+from meshlab_symrecon.host.guards import EMPTY_CLOUDS
 from meshlab_symrecon.host.native_filters import apply_native, find_native, native_filters
 
-DRAW = [name for name, item in native_filters().items() if needs_display(item)]
+DRAW = [name for name, item in native_filters().items() if item.display]
 
 
 def test_filters_that_draw_are_known():

@@ -64,7 +64,7 @@ def sphere():
          "unknown parameter 'zzzz' of 'Grow Points'; known are factor, randomseed, mode, keep, "
          "title"),
         (step("Do Nothing", param("zzzz", "3")),
-         "unknown parameter 'zzzz' of 'Do Nothing'; known are none"),
+         "unknown parameter 'zzzz' of 'Do Nothing'; this filter has no parameters"),
         (step("Grow Points", param("factor", "three")),
          "parameter 'factor' must be a number of at least 0; got 'three'"),
         (step("Grow Points", param("factor", "-1")),
@@ -220,6 +220,22 @@ def test_values_in_several_attributes(tmp_path, sphere):
     run_script(sphere, path)
     assert np.allclose(sphere.current_mesh().vertex_color_matrix()[0], [1, 0, 0.2, 1])
     assert np.allclose(np.diag(sphere.current_mesh().transform_matrix())[:3], 2)
+
+
+def test_a_colour_without_its_alpha_is_opaque(tmp_path, sphere):
+    path = written(
+        tmp_path,
+        step("Vertex Color Filling", '<Param type="RichColor" name="color1" r="0" g="51" b="0"/>'),
+    )
+    run_script(sphere, path)
+    assert np.allclose(sphere.current_mesh().vertex_color_matrix()[0], [0, 0.2, 0, 1])
+
+
+def test_a_camera_is_ignored_and_said_so(tmp_path):
+    path = written(tmp_path, step("Set Mesh Camera", '<Param type="RichShotf" name="Shot"/>'))
+    (resolved,) = resolution.resolve_script(read_script(path))
+    assert resolved.values == {}
+    assert resolved.notes == ("parameter 'Shot' ignored: pymeshlab takes no camera from outside",)
 
 
 def test_attributes_that_are_missing(tmp_path, sphere):

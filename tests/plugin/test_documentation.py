@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
+from meshlab_symrecon.plugin import ParameterSet
 from meshlab_symrecon.plugin.documentation import (
     describe,
     filters_page,
@@ -12,7 +13,6 @@ from meshlab_symrecon.plugin.documentation import (
     parameter_lines,
     signature,
 )
-from meshlab_symrecon.plugin.parameters import ParameterSet
 
 
 class Nothing(ParameterSet):

@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from meshlab_symrecon.errors import ParameterError
-from meshlab_symrecon.plugin import parameters as declare
-from meshlab_symrecon.plugin.parameters import Kind, ParameterSet, nearest_names
+from meshlab_symrecon.plugin import ParameterSet
+from meshlab_symrecon.plugin import parameter_sets as declare
+from meshlab_symrecon.plugin.parameters import Kind, nearest_names
 
 
 class Every(ParameterSet):

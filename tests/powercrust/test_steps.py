@@ -119,5 +119,6 @@ def test_attributes_are_exact_at_samples_and_between_their_neighbours_elsewhere(
     between = carry_over(samples, values, 0.9 * samples)
     assert values.min() <= between.min()
     assert between.max() <= values.max()
+    assert np.unique(carry_over(samples, np.ones(200), 0.9 * samples)).tolist() == [1.0]
     colours = np.random.default_rng(0).random((200, 4))
     assert carry_over(samples, colours, samples[:7]).tolist() == colours[:7].tolist()

@@ -1,0 +1,113 @@
+"""The documented chain of filters on one scan, from the measured points to the closed surface."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+__all__ = [
+    "CLOSE",
+    "COMPLETE",
+    "COMPLETED",
+    "DETECT",
+    "LABELS",
+    "PLANES",
+    "SCAN",
+    "SURFACE",
+    "Reconstruction",
+    "parameters_as_run",
+    "whole_method",
+]
+
+NORMALS = "compute_normal_for_point_clouds"
+DETECT = "generate_reflection_planes"
+COMPLETE = "generate_mirror_completed_points"
+CLOSE = "generate_surface_reconstruction_power_crust"
+SHARES = {NORMALS: 0.05, DETECT: 0.4, COMPLETE: 0.05, CLOSE: 0.5}  # of the time
+SCAN, PLANES, COMPLETED, SURFACE = LABELS = (
+    "scan", "reflection planes", "completed points", "surface",
+)  # fmt: skip
+SEED = "randomseed"
+
+
+@dataclass(frozen=True, slots=True)
+class Reconstruction:
+    """The document after the whole method, its layers, and what each filter measured."""
+
+    mesh_set: Any
+    layers: Mapping[str, int]  # label: identifier
+    points: int
+    found: Mapping[str, Any]
+    completed: Mapping[str, Any]
+    surface: Mapping[str, Any]
+
+
+def whole_method(scan: Path, seed: int, progress: Callable[[float, str], None]) -> Reconstruction:
+    """Load a scan and run the filters of the documented chain on it."""
+    from meshlab_symrecon.host.files import load
+    from meshlab_symrecon.host.meshset import current_identifier
+
+    progress(0.0, f"reading {scan.name}")
+    mesh_set = load(scan)
+    layers = {SCAN: current_identifier(mesh_set)}
+    points = mesh_set.current_mesh().vertex_number()
+    run = _runner(mesh_set, seed, progress)
+    run(NORMALS, "normals")
+    found = run(DETECT, "looking for mirror planes")
+    completed: Mapping[str, Any] = {"measured": points, "mirrored": 0}
+    if len(found["planes"]):
+        layers[PLANES] = _newest(mesh_set)
+        completed = run(COMPLETE, "mirroring points")
+        layers[COMPLETED] = current_identifier(mesh_set)
+    surface = run(CLOSE, "closing the surface")
+    layers[SURFACE] = current_identifier(mesh_set)
+    return Reconstruction(mesh_set, layers, points, found, completed, surface)
+
+
+def _runner(
+    mesh_set: Any, seed: int, progress: Callable[[float, str], None]
+) -> Callable[[str, str], Mapping[str, Any]]:
+    """Return a function that runs one filter with its defaults and the seed."""
+    from meshlab_symrecon.host.registration import apply_filter
+
+    done = 0.0
+
+    def run(name: str, title: str) -> Mapping[str, Any]:
+        nonlocal done
+        start, share = done, SHARES[name]
+        progress(start, title)
+        measures = apply_filter(
+            mesh_set,
+            name,
+            progress=lambda fraction, _: progress(start + share * fraction, title),
+            **_seeded(name, seed),
+        )
+        done = start + share
+        return measures
+
+    return run
+
+
+def _seeded(name: str, seed: int) -> dict[str, int]:
+    """Return the seed as a parameter of a filter that declares one."""
+    from meshlab_symrecon.host.registration import registry
+
+    declared = registry().find(name).parameters.declared() if name in registry() else ()
+    return {SEED: seed} if SEED in (parameter.name for parameter in declared) else {}
+
+
+def _newest(mesh_set: Any) -> int:
+    return max(int(mesh.id()) for mesh in mesh_set)
+
+
+def parameters_as_run(seed: int) -> dict[str, Any]:
+    """Return the seed, and every parameter of each of our filters as it ran."""
+    from meshlab_symrecon.host.registration import registry
+
+    bound = {
+        name: registry().find(name).bind(_seeded(name, seed)).values()
+        for name in (DETECT, COMPLETE, CLOSE)
+    }
+    return {SEED: seed, **bound}
