@@ -8,7 +8,7 @@ from meshlab_symrecon.arrays import Booleans, Floats, Planes
 from meshlab_symrecon.geometry.planes import plane_angles
 from meshlab_symrecon.symmetry.verification import Evidence
 
-__all__ = ["believable", "confidence", "family_sizes", "merit"]
+__all__ = ["believable", "confidence", "family_sizes", "merit", "whole_symmetry"]
 
 # Logistic regression on verified planes of 292 incomplete clouds under seven kinds of damage: six
 # scanned models, bunny and twirl (without a plane), and made shapes (bodies of bumps and of boxes,
@@ -30,9 +30,12 @@ RIVALS = 9
 CHANCE_MERIT = -3.0  # of a plane that mirrors a fifth of the cloud onto itself
 FAMILY_ANGLES = np.radians([8.0, 20.0])  # nearer ones are variants of the same plane
 FAMILY_SUPPORT = 0.8
-FULL_AGREEMENT = 0.95
+WHOLE_AGREEMENT = 0.9  # sampling keeps exact planes of boxes at .92 to .95
+WHOLE_CONTRADICTION = 0.003  # a handle of a vase contradicts more
 RIVAL = 0.05  # agreement that a further plane may lack against the best one
 ENOUGH_SAMPLES = 100  # fewer match by chance: confidence falls in proportion
+CLEAR_AGREEMENT = 0.85
+ENOUGH_UNCLEAR = 1500  # samples needed where agreement is not clear: smooth bodies look alike
 NONE = 1e-3  # keeps logarithms finite
 
 
@@ -62,7 +65,9 @@ def confidence(evidence: Evidence, sizes: Floats, roughness: float, count: int) 
         Chances, 0 to 1.
     """
     ordering = merit(evidence)
-    lead = _lead(ordering)
+    # A box or a ball has several true planes: they are no rivals of each other.
+    whole = whole_symmetry(evidence)
+    lead = np.where(whole, _lead(ordering, rivals=~whole), _lead(ordering, rivals=None))
     log_odds = (
         INTERCEPT
         + PER_LOG_SUPPORT * np.log(np.minimum(evidence.support, ENOUGH_SUPPORT) + NONE)
@@ -71,7 +76,8 @@ def confidence(evidence: Evidence, sizes: Floats, roughness: float, count: int) 
         + PER_CLEANNESS * np.exp(-evidence.contradiction / CONTRADICTION_SCALE)
         + PER_LOG_FAMILY * np.log(sizes)
     )
-    chances: Floats = min(1.0, count / ENOUGH_SAMPLES) / (1.0 + np.exp(-log_odds))
+    enough = np.where(evidence.agreement >= CLEAR_AGREEMENT, ENOUGH_SAMPLES, ENOUGH_UNCLEAR)
+    chances: Floats = np.minimum(1.0, count / enough) / (1.0 + np.exp(-log_odds))
     return chances
 
 
@@ -95,8 +101,9 @@ def family_sizes(planes: Planes, evidence: Evidence) -> Floats:
         1 for a plane that stands alone.
     """
     sizes = np.ones(len(planes))
+    whole = whole_symmetry(evidence)
     for row, plane in enumerate(planes):
-        if evidence.agreement[row] < FULL_AGREEMENT:
+        if not whole[row]:
             angles = plane_angles(planes, plane)
             beside = (angles > FAMILY_ANGLES[0]) & (angles < FAMILY_ANGLES[1])
             beside &= evidence.agreement >= evidence.agreement[row] - RIVAL
@@ -105,10 +112,35 @@ def family_sizes(planes: Planes, evidence: Evidence) -> Floats:
     return sizes
 
 
-def _lead(ordering: Floats) -> Floats:
-    """Return how far each plane leads the mean of the nine best others, chance filling up."""
-    rivals = np.append(ordering, np.full(RIVALS, CHANCE_MERIT))
-    best = np.sort(rivals)[::-1][: RIVALS + 1]
+def whole_symmetry(evidence: Evidence) -> Booleans:
+    """Tell which planes mirror the whole shape onto itself, with next to nothing against it.
+
+    Parameters
+    ----------
+    evidence : Evidence
+
+    Returns
+    -------
+    (k,) bool
+    """
+    whole: Booleans = (
+        (evidence.agreement >= WHOLE_AGREEMENT)
+        & (evidence.support >= ENOUGH_SUPPORT)
+        & (evidence.contradiction <= WHOLE_CONTRADICTION)
+    )
+    return whole
+
+
+def _lead(ordering: Floats, rivals: Booleans | None) -> Floats:
+    """Return how far each plane leads the mean of the nine best others, chance filling up.
+
+    ``rivals`` leaves out planes that are none; a plane is never its own rival.
+    """
+    filling = np.full(RIVALS, CHANCE_MERIT)
+    if rivals is not None:
+        ahead: Floats = ordering - np.sort(np.append(ordering[rivals], filling))[-RIVALS:].mean()
+        return ahead
+    best = np.sort(np.append(ordering, filling))[::-1][: RIVALS + 1]
     inside = ordering >= best[-1]
     lead: Floats = ordering - (best.sum() - np.where(inside, ordering, best[-1])) / RIVALS
     return lead

@@ -19,7 +19,9 @@ NEAR_PLANE = 0.035  # diagonals: points nearer to the plane match themselves, an
 NO_MATCH = 0.05  # worth of a match below which a rim may excuse it
 RIM_REACH = 1.5  # a rim nearer than this multiple of the distance to the surface excuses it
 LEAST_GAP = 2.0  # spacings to the surface below which there is no hole to speak of
-FAR = 0.03  # diagonals off the surface that make a contradiction
+FAR = 0.03  # diagonals off the surface that make a contradiction,
+FAR_SPACINGS = 4.0  # but at least this many spacings: gaps of a sparse cloud contradict nothing
+TOLERANCE_SPACINGS = 0.4  # a sparse cloud's tangent planes are that much coarser
 BEYOND = 0.25  # diagonals beyond which nothing can be said
 TINY = float(np.finfo(np.float64).tiny)
 CHUNK = 400_000  # plane-query pairs examined at once: about 100 MB
@@ -62,7 +64,8 @@ def examine(
     nearest : callable
         Finds nearest points of the cloud.
     tolerance : float
-        Distance from the tangent plane at which a match is worth ``exp(-1/2)``, in diagonals.
+        Distance from the tangent plane at which a match is worth ``exp(-1/2)``, in diagonals;
+        larger in sparse clouds.
 
     Returns
     -------
@@ -97,13 +100,14 @@ def _examine(
     off_squares = np.einsum("kqi,kqi->kq", gaps, partner_normals) ** 2
     sideways = np.maximum(distances**2 - off_squares, 0.0)
     none, full = DIRECTION_RAMP
+    tolerance = max(tolerance, TOLERANCE_SPACINGS * cloud.spacing)
     matches = np.exp(-0.5 * off_squares / tolerance**2)
     matches *= np.clip((agreement - none) / (full - none), 0.0, 1.0)
     reach = np.clip(SIDEWAYS * cloud.spacing, LEAST_SIDEWAYS, MOST_SIDEWAYS)
     matches[sideways > reach**2] = 0.0
     weights = np.minimum(1.0, np.abs(heights) / NEAR_PLANE)
     rim_near = cloud.border_distance[partners] <= RIM_REACH * distances
-    far = (distances > FAR) & (distances < BEYOND) & ~rim_near
+    far = (distances > max(FAR, FAR_SPACINGS * cloud.spacing)) & (distances < BEYOND) & ~rim_near
     excused = rim_near & (distances > LEAST_GAP * cloud.spacing) & (matches < NO_MATCH)
     total = np.maximum(weights.sum(axis=1), TINY)
     judged = (weights * ~excused).sum(axis=1)
