@@ -24,6 +24,11 @@ from meshlab_symrecon.symmetry.completion import GAP, mirror_complete
 LABEL = "completed points"
 MIRRORED = "mirrored"
 
+NO_PLANES = (
+    f"there is no layer '{PLANES_LABEL}', so nothing was mirrored; "
+    "detect planes first, or draw one and name its layer"
+)
+
 
 class Parameters(ParameterSet):
     """Parameters of the completion."""
@@ -60,7 +65,8 @@ class Parameters(ParameterSet):
 def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
     """Complete the current layer's points across the planes of the planes layer."""
     source = layers.current
-    planes = _planes(layers, parameters)[: parameters.maxplanes]
+    planes, warnings = _planes(layers, parameters)
+    planes = planes[: parameters.maxplanes]
     completed = mirror_complete(
         source.points,
         planes,
@@ -82,7 +88,7 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
     )
     mirrored = int(np.count_nonzero(share))
     measures = {"measured": len(share) - mirrored, "mirrored": mirrored}
-    return Outcome((added,), current=0, measures=measures)
+    return Outcome((added,), current=0, measures=measures, warnings=warnings)
 
 
 def _share_invented(source: Layer, added: Booleans) -> Floats:
@@ -94,17 +100,17 @@ def _share_invented(source: Layer, added: Booleans) -> Floats:
     return share
 
 
-def _planes(layers: Layers, parameters: Parameters) -> Planes:
+def _planes(layers: Layers, parameters: Parameters) -> tuple[Planes, tuple[str, ...]]:
+    """Return the planes to mirror across, and what to tell the user.
+
+    Without a planes layer there are none: a script goes on with what was measured.
+    """
     if parameters.planes >= 0:
         chosen: Layer | None = layers.get(parameters.planes)
     else:
         chosen = layers.newest(PLANES_LABEL)
     if chosen is None:
-        message = (
-            f"mirror completion needs a layer '{PLANES_LABEL}'; got none of that name; "
-            "detect planes first, or draw one and name its layer"
-        )
-        raise GeometryError(message)
+        return np.zeros((0, 4)), (NO_PLANES,)
     planes = planes_of_pieces(chosen.points, chosen.faces)
     if not len(planes):
         message = (
@@ -112,7 +118,7 @@ def _planes(layers: Layers, parameters: Parameters) -> Planes:
             "no faces; detect planes first, or draw one"
         )
         raise GeometryError(message)
-    return planes
+    return planes, ()
 
 
 FILTER = Filter(
@@ -126,7 +132,8 @@ FILTER = Filter(
         f"layer `{LABEL}`: the measured points first, in their order, bit for bit, then the "
         "mirrored ones with mirrored normals and copied colours. Vertex quality and the custom "
         "attribute `mirrored` are 0 for measured points and 1 for mirrored ones; what an earlier "
-        "completion has mirrored stays 1.\n\n"
+        "completion has mirrored stays 1. Without such a layer nothing is mirrored, and a warning "
+        "says so.\n\n"
         "Returns the counts `measured` and `mirrored`."
     ),
     parameters=Parameters,

@@ -80,8 +80,11 @@ def test_mirrored_points_carry_mirrored_normals_and_are_marked():
 
 
 def test_without_planes_the_completion_says_what_to_do():
-    with pytest.raises(GeometryError, match=f"needs a layer '{PLANES_LABEL}'; got none"):
-        completed(document(scan(HALF)))
+    outcome = mirror_completed_points.FILTER.apply(document(scan(HALF)), {})
+    assert f"no layer '{PLANES_LABEL}'" in outcome.warnings[0]
+    assert np.array_equal(outcome.layers[0].points, HALF)
+    assert not outcome.layers[0].quality.any()
+    assert outcome.measures == {"measured": len(HALF), "mirrored": 0}
     bare = Layer(SPHERE[:4], NO_FACES, label=PLANES_LABEL, identifier=1)
     with pytest.raises(GeometryError, match="has no faces; detect planes first"):
         completed(document(scan(HALF), bare))

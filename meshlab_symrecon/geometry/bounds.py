@@ -9,6 +9,7 @@ from meshlab_symrecon.errors import GeometryError
 
 __all__ = ["box_diagonal", "require_solid", "robust_diagonal"]
 
+SMALLEST, LARGEST = 1e-60, 1e60  # units: squares and cubes of lengths stay within floats
 FLATNESS = 1e-7  # thickness / diagonal below which a cloud is flat; float32 files round at 6e-8
 ROUNDING = 8.0 * np.finfo(np.float64).eps  # relative error of a coordinate after a few operations
 
@@ -54,12 +55,20 @@ def require_solid(points: Points, purpose: str, minimum: int = 5) -> None:
     Raises
     ------
     GeometryError
-        Too few points, or points that coincide or lie on one line or in one plane.
+        Too few points, an extent beyond what floats can square, or points that coincide or lie on
+        one line or in one plane.
     """
     if len(points) < minimum:
         message = (
             f"{purpose} needs at least {minimum} points not in one plane; "
             f"got {len(points)} points; load a fuller scan"
+        )
+        raise GeometryError(message)
+    extent = float(np.ptp(points, axis=0).max())
+    if 0.0 < extent < SMALLEST or extent > LARGEST:
+        message = (
+            f"{purpose} needs points that extend over {SMALLEST:g} to {LARGEST:g} units; "
+            f"got an extent of {extent:.3g}; change the units"
         )
         raise GeometryError(message)
     centred = points - points.mean(axis=0)

@@ -96,13 +96,27 @@ def test_mistakes_are_told_with_file_and_line(run, statue, tmp_path, monkeypatch
     assert [path.name for path in tmp_path.iterdir()] == ["scan.mlx"]
 
 
-def test_a_step_that_fails_leaves_nothing(run, lopsided, tmp_path):
+def test_a_step_that_fails_leaves_nothing(run, tmp_path):
+    flat = tmp_path / "flat.xyz"
+    flat.write_text("".join(f"{i % 7} {i // 7} 0\n" for i in range(49)))
     script = next(path for path in SHIPPED if path.name == "complete.mlx")
-    result = run("run", script, lopsided, "-o", tmp_path / "a.ply", "--json", tmp_path / "r.json")
+    result = run("run", script, flat, "-o", tmp_path / "a.ply", "--json", tmp_path / "r.json")
     assert result.exit_code == 1
     assert "complete.mlx:" in result.stderr
-    assert "needs a layer 'reflection planes'" in result.stderr
-    assert list(tmp_path.iterdir()) == []
+    assert "in one plane" in result.stderr
+    assert list(tmp_path.iterdir()) == [flat]
+
+
+def test_without_a_plane_the_shipped_script_closes_what_was_measured(run, lopsided, tmp_path):
+    script = next(path for path in SHIPPED if path.name == "scan_to_solid.mlx")
+    result = run("run", script, lopsided, "-o", tmp_path / "a.ply")
+    assert result.exit_code == 0, result.stderr
+    assert "nothing was mirrored" in result.stderr
+    closed = read_layer(load(tmp_path / "a.ply"), 0)
+    assert run("reconstruct", lopsided, "-o", tmp_path / "b.ply").exit_code == 0
+    plain = read_layer(load(tmp_path / "b.ply"), 0)
+    assert np.array_equal(closed.points, plain.points)
+    assert np.array_equal(closed.faces, plain.faces)
 
 
 @pytest.mark.parametrize("words", [["a.mlx"], ["a.mlx", "b.ply"], []])

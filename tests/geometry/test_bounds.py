@@ -43,3 +43,10 @@ def test_too_few_points_are_refused(count):
 def test_a_thin_sheet_is_solid(scale):
     sheet = np.random.default_rng(3).random((100, 3)) * [1.0, 1.0, 1e-4]
     require_solid(scale * (sheet + 100.0), "the test")
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1e-61, 1e61, 1e150])
+def test_extents_beyond_floats_are_refused(scale):
+    points = np.random.default_rng(0).random((30, 3)) * 2.0 * scale
+    with pytest.raises(GeometryError, match="change the units"):
+        require_solid(points, "the test")

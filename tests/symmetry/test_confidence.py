@@ -1,7 +1,13 @@
 import numpy as np
 import pytest
 
-from meshlab_symrecon.symmetry.confidence import believable, confidence, family_sizes, merit
+from meshlab_symrecon.symmetry.confidence import (
+    believable,
+    confidence,
+    family_sizes,
+    merit,
+    whole_symmetry,
+)
 from meshlab_symrecon.symmetry.verification import Evidence
 
 
@@ -46,13 +52,26 @@ def test_a_plane_that_leads_the_others_is_more_likely():
 def test_a_symmetric_body_may_have_only_true_planes():
     three = chances(evidence([0.95] * 3, [0.96] * 3))
     assert (three > 0.9).all()
-    crowd = chances(evidence([0.95] * 30, [0.96] * 30))
-    assert (crowd < three[0]).all()
+    many = chances(evidence([0.95] * 30, [0.96] * 30))  # a ball
+    assert np.allclose(many, three[0])
+    crowd = chances(evidence([0.95] * 30, [0.96] * 30, contradiction=0.01))  # nearly a ball
+    assert (crowd < 0.5).all()
+
+
+def test_planes_that_something_contradicts_stay_rivals():
+    whole = evidence([0.6] * 9, [0.95, *[0.7] * 8], contradiction=[0.0, *[0.01] * 8])
+    lone = evidence([0.6], [0.7], contradiction=[0.01])
+    assert chances(whole)[1] < chances(lone)[0]
+    assert chances(whole)[0] > chances(lone)[0]
+    assert list(whole_symmetry(whole)) == [True, *[False] * 8]
+    assert not whole_symmetry(evidence([0.3], [0.95]))[0]
 
 
 def test_few_samples_earn_confidence_in_proportion():
-    found = evidence([0.6, 0.1], [0.9, 0.2])
-    assert np.allclose(chances(found, 25), 0.25 * chances(found), rtol=1e-12)
+    clear = evidence([0.6, 0.1], [0.9, 0.9])
+    assert np.allclose(chances(clear, 25), 0.25 * chances(clear), rtol=1e-12)
+    unclear = evidence([0.6, 0.1], [0.8, 0.2])
+    assert np.allclose(chances(unclear, 375), 0.25 * chances(unclear), rtol=1e-12)
 
 
 def test_no_planes_have_no_confidence():
