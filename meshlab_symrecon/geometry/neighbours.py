@@ -69,7 +69,7 @@ def without_outliers(points: Points, limit: float, rounds: int = 1, neighbours: 
     (m,) int
         Indices of the points that stay, in order.
     """
-    kept = np.arange(len(points))
+    kept: Indices = np.arange(len(points))
     for _ in range(rounds):
         spacing = local_spacing(points[kept], neighbours)
         kept = kept[spacing <= limit * np.median(spacing)]
@@ -119,9 +119,9 @@ def tangent_bases(normals: Points) -> tuple[Floats, Floats]:
     rows = np.arange(len(normals))
     helpers = np.zeros_like(normals)
     helpers[rows, np.argmin(np.abs(normals), axis=1)] = 1.0
-    first = np.cross(normals, helpers)
+    first: Points = np.asarray(np.cross(normals, helpers), dtype=np.float64)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return first, np.cross(normals, first)
+    return first, np.asarray(np.cross(normals, first), dtype=np.float64)
 
 
 def border_points(points: Points, normals: Points, neighbours: int = 24) -> Booleans:

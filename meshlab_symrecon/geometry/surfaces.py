@@ -55,8 +55,7 @@ class Topology:
 def face_normals(points: Points, faces: Faces) -> Points:
     """Return (m, 3) normals of triangles, as long as twice the triangle's area."""
     a, b, c = (points[faces[:, corner]] for corner in range(3))
-    normals: Points = np.cross(b - a, c - a)
-    return normals
+    return np.asarray(np.cross(b - a, c - a), dtype=np.float64)
 
 
 def surface_area(points: Points, faces: Faces) -> float:

@@ -66,7 +66,7 @@ def read_layer(mesh_set: Any, identifier: int) -> Layer:
         matrix = np.asarray(mesh.transform_matrix(), dtype=np.float64)
         points = _floats(mesh.vertex_matrix())
         normals = _floats(mesh.vertex_normal_matrix())
-        faces = np.ascontiguousarray(mesh.face_matrix(), dtype=np.int64).reshape(-1, 3)
+        faces: Faces = np.ascontiguousarray(mesh.face_matrix(), dtype=np.int64).reshape(-1, 3)
         if not np.array_equal(matrix, np.eye(4)):
             points, normals, faces = _in_world(matrix, points, normals, faces, identifier)
         selected = np.array(mesh.vertex_selection_array(), dtype=np.bool_)

@@ -101,11 +101,11 @@ def _pairs_at_samples(
 ) -> list[Indices]:
     """Return keys of the pairs of shown poles whose balls touch one sample."""
     used = np.flatnonzero((representative == np.arange(len(representative))) & ~diagram.hidden)
-    sample = poles.samples[used].ravel()
-    order = np.argsort(sample, kind="stable")
-    sample, pole = sample[order], np.repeat(used, 4)[order]
-    kept = np.searchsorted(sample, poles.sample_count)
-    sample, pole = sample[:kept], pole[:kept]
+    touched = poles.samples[used].ravel()
+    order = np.argsort(touched, kind="stable")
+    order = order[: np.searchsorted(touched[order], poles.sample_count)]
+    sample: Indices = touched[order]
+    pole: Indices = np.repeat(used, 4)[order]
     keys = []
     for step in range(1, MOST_PARTNERS):
         together = sample[step:] == sample[:-step]
