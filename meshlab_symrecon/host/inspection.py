@@ -23,6 +23,7 @@ BYTES_OF = {
 }
 FORMATS = ("ascii", "binary_little_endian", "binary_big_endian")
 STL_HEADER, STL_TRIANGLE = 84, 50  # bytes
+# Only whether the process survives is asked; what the reader raises, the real load tells.
 TRIAL = (
     "import sys, pymeshlab\n"
     "try: pymeshlab.MeshSet(verbose=False).load_new_mesh(sys.argv[1])\n"

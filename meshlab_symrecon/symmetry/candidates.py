@@ -20,7 +20,6 @@ class Candidates:
     """Planes voted for, in the coordinates of the prepared cloud."""
 
     planes: Planes  # (k, 4)  unit normal, offset
-    weights: Floats  # (k,)  mean 1; less for samples that fit many partners
 
 
 def pair_planes(first: Floats, second: Floats) -> Planes:
@@ -78,11 +77,8 @@ def vote(cloud: PreparedCloud, count: int, most: int, rng: np.random.Generator) 
     signed = oriented[:, np.newaxis] & oriented
     agreement = np.where(signed, agreement, np.abs(agreement))
     accepted = (agreement > NORMAL_TOLERANCE) & (lengths > SHORTEST_PAIR**2)
-    popularity = accepted.sum(axis=1)
     first, second = np.nonzero(np.triu(accepted, 1))
     if len(first) > most:
         chosen = np.sort(rng.choice(len(first), most, replace=False))
         first, second = first[chosen], second[chosen]
-    weights = 1.0 / np.sqrt(popularity[first] * popularity[second])
-    weights /= max(float(weights.mean()), np.finfo(float).tiny) if len(weights) else 1.0
-    return Candidates(pair_planes(points[first], points[second]), weights)
+    return Candidates(pair_planes(points[first], points[second]))

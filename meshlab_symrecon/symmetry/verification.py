@@ -33,7 +33,6 @@ class Evidence:
 
     support: Floats  # (k,)  share of the queries whose mirror image lies on the surface
     agreement: Floats  # (k,)  the same share of the queries that no hole excuses
-    coverage: Floats  # (k,)  weight of those that no hole excuses, of the number of queries
     contradiction: Floats  # (k,)  share that lies far off the surface, no hole to explain it
     residual: Floats  # (k,)  RMS distance of partners from the tangent plane, in diagonals
 
@@ -42,7 +41,6 @@ class Evidence:
         return Evidence(
             self.support[rows],
             self.agreement[rows],
-            self.coverage[rows],
             self.contradiction[rows],
             self.residual[rows],
         )
@@ -82,7 +80,7 @@ def examine(
 
 def _examine(
     planes: Planes, cloud: PreparedCloud, count: int, nearest: Lookup, tolerance: float
-) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+) -> tuple[Floats, Floats, Floats, Floats]:
     queries = cloud.samples[:count]
     points, directions = cloud.points[queries], cloud.normals[queries]
     normals = planes[:, :3]
@@ -116,7 +114,6 @@ def _examine(
     return (
         matched / total,
         matched / np.maximum(judged, TINY),
-        judged / len(queries),
         (weights * far) @ cloud.distinctness[:count] / total,
         np.sqrt((worth * off_squares).sum(axis=1) / np.maximum(matched, TINY)),
     )

@@ -16,7 +16,6 @@ def evidence(support, agreement, contradiction=0.0, residual=0.002):
     return Evidence(
         support,
         np.asarray(agreement, dtype=float),
-        np.ones_like(support),
         np.broadcast_to(np.asarray(contradiction, dtype=float), support.shape),
         np.broadcast_to(np.asarray(residual, dtype=float), support.shape),
     )
