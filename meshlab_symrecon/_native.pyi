@@ -34,6 +34,9 @@ def pole_cells(
     cells: NDArray[np.int32],
     samples: int,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
+def sample_spacings(
+    sites: NDArray[np.float64], cells: NDArray[np.int32], samples: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def label_pieces(cells: NDArray[np.int32], labels: NDArray[np.uint8]) -> NDArray[np.int32]: ...
 def surface_topology(
     faces: NDArray[np.int32], vertex_count: int

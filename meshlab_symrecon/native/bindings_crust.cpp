@@ -90,6 +90,18 @@ void bind_crust(nb::module_& module) {
       nb::arg("sites"), nb::arg("centres"), nb::arg("cells"), nb::arg("samples"),
       "The cells whose circumcentres are the two poles of each sample; -1 for none.");
   module.def(
+      "sample_spacings",
+      [](Rows<double> sites, Rows<std::int32_t> cells, std::int32_t samples) {
+        Spacings spacings;
+        {
+          nb::gil_scoped_release release;
+          spacings = sample_spacings(rows<Position>(sites), rows<Quad>(cells), samples);
+        }
+        return nb::make_tuple(give(std::move(spacings.next)), give(std::move(spacings.mean)));
+      },
+      nb::arg("sites"), nb::arg("cells"), nb::arg("samples"),
+      "Distance of each sample to the next one, and the mean of its four nearest neighbours.");
+  module.def(
       "label_pieces",
       [](Rows<std::int32_t> cells, Row<std::uint8_t> labels) {
         std::vector<std::int32_t> pieces;

@@ -1,5 +1,8 @@
 #include "poles.hpp"
 
+#include <cmath>
+#include <limits>
+
 #include "disjoint_sets.hpp"
 
 namespace symrecon {
@@ -10,6 +13,31 @@ Position arm(const Position& from, const Position& to) {
 }
 
 double dot(const Position& a, const Position& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+// The four nearest of the neighbours offered, each once, nearest first.
+struct Nearest {
+  std::array<double, 4> square;
+  std::array<std::int32_t, 4> who;
+
+  Nearest() {
+    square.fill(std::numeric_limits<double>::infinity());
+    who.fill(-1);
+  }
+
+  void offer(std::int32_t other, double distance) {
+    if (distance > square[3]) return;
+    int place = 0;
+    for (; place < 4 && square[place] <= distance; ++place)
+      if (who[place] == other) return;
+    if (place == 4) return;
+    for (int k = 3; k > place; --k) {
+      square[k] = square[k - 1];
+      who[k] = who[k - 1];
+    }
+    square[place] = distance;
+    who[place] = other;
+  }
+};
 
 }  // namespace
 
@@ -41,6 +69,30 @@ PoleCells pole_cells(const std::vector<Position>& sites, const std::vector<Posit
     }
   });
   return poles;
+}
+
+Spacings sample_spacings(const std::vector<Position>& sites, const std::vector<Quad>& cells,
+                         std::int32_t samples) {
+  std::vector<Nearest> nearest(samples);
+  for (const Quad& cell : cells)
+    for (int a = 0; a < 3; ++a)
+      for (int b = a + 1; b < 4; ++b) {
+        if (cell[a] >= samples || cell[b] >= samples) continue;
+        const Position apart = arm(sites[cell[a]], sites[cell[b]]);
+        const double square = dot(apart, apart);
+        nearest[cell[a]].offer(cell[b], square);
+        nearest[cell[b]].offer(cell[a], square);
+      }
+  Spacings spacings{std::vector<double>(samples), std::vector<double>(samples)};
+  for (std::int32_t sample = 0; sample < samples; ++sample) {
+    const Nearest& found = nearest[sample];
+    double sum = 0.0;
+    int count = 0;
+    for (; count < 4 && found.who[count] >= 0; ++count) sum += std::sqrt(found.square[count]);
+    spacings.next[sample] = std::sqrt(found.square[0]);
+    spacings.mean[sample] = count > 0 ? sum / count : found.square[0];
+  }
+  return spacings;
 }
 
 std::vector<std::int32_t> label_pieces(const std::vector<Quad>& cells,

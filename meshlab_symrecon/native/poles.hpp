@@ -19,6 +19,16 @@ struct PoleCells {
 PoleCells pole_cells(const std::vector<Position>& sites, const std::vector<Position>& centres,
                      const std::vector<Quad>& cells, std::int32_t samples);
 
+// How far the samples round each sample are, in terms of its Delaunay neighbours.
+struct Spacings {
+  std::vector<double> next;  // distance to the nearest other sample
+  std::vector<double> mean;  // mean distance of the four nearest neighbours, or of as many as there are
+};
+
+// A sample without a neighbour that is a sample gets infinity.
+Spacings sample_spacings(const std::vector<Position>& sites, const std::vector<Quad>& cells,
+                         std::int32_t samples);
+
 // The piece of each site, connected by edges of the cells between sites of equal label.
 std::vector<std::int32_t> label_pieces(const std::vector<Quad>& cells,
                                        const std::vector<std::uint8_t>& labels);

@@ -117,8 +117,5 @@ def _fans(offsets: Indices, corners: Indices) -> Faces:
 
 def _local_spacing(poles: Poles, vertices: Points) -> Floats:
     """Return the distance to the next sample at the sample nearest to each vertex."""
-    samples = poles.sites[: poles.sample_count]
-    tree = cKDTree(samples)
-    apart = tree.query(samples, k=2)[0][:, 1]
-    spacing: Floats = apart[tree.query(vertices)[1]]
+    spacing: Floats = poles.spacing[cKDTree(poles.sites[: poles.sample_count]).query(vertices)[1]]
     return spacing

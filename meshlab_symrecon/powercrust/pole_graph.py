@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from meshlab_symrecon.arrays import Floats, Indices
 from meshlab_symrecon.geometry.triangulation import Triangulation
@@ -20,7 +19,6 @@ __all__ = ["Intersections", "Opposites", "intersections", "opposites"]
 
 DEEPEST = 1.0 - 1e-9  # cosine of two equal balls; keeps -log of it above zero
 MOST_PARTNERS = 24  # balls that meet in a sample, of which about eight are usual
-NEIGHBOURS = 4
 LONG = 3.0  # spacings: a sample with both poles farther than this lies on the surface for certain
 TYPICAL = 1.5  # times the median length, where noise makes most cells round
 STEEPNESS = 4.0  # power with which certainty falls with nearer poles
@@ -122,10 +120,7 @@ def _trust(poles: Poles) -> Floats:
     farther away than the next samples.  An outlier's cell is round, and says nothing.  Where noise
     makes most cells round, only those rounder than usual are doubted.
     """
-    samples = poles.sites[: poles.sample_count]
-    count = min(NEIGHBOURS + 1, len(samples))
-    apart = cKDTree(samples).query(poles.sites[poles.pair_samples], k=count)[0]
-    length = poles.radii[poles.pairs].min(axis=1) / apart[:, 1:].mean(axis=1)
+    length = poles.radii[poles.pairs].min(axis=1) / poles.room[poles.pair_samples]
     certain = min(LONG, TYPICAL * float(np.median(length)))
     trust: Floats = np.minimum(1.0, length / certain) ** STEEPNESS
     return trust

@@ -37,6 +37,10 @@ class Poles:
     outermost : (p,) bool
         Poles whose ball touches a corner of the enclosing cube, or whose centre lies outside a
         polytope round the samples: certainly outside, since no inner ball is centred there.
+    spacing : (n,) float
+        Distance of each sample to the next one.
+    room : (n,) float
+        Mean distance of each sample to the four nearest of its Delaunay neighbours.
     """
 
     sites: Points
@@ -46,6 +50,8 @@ class Poles:
     pairs: Indices
     pair_samples: Indices
     outermost: Booleans
+    spacing: Floats
+    room: Floats
 
     @property
     def sample_count(self) -> int:
@@ -121,6 +127,7 @@ def find_poles(delaunay: Triangulation, sample_count: int) -> Poles:
     number = np.cumsum(is_pole) - 1
     pairs = number[np.stack([first[paired], second[paired]], axis=1)]
     samples = delaunay.cells[poles].astype(np.int64)
+    spacing, room = _native.sample_spacings(delaunay.sites, delaunay.cells, sample_count)
     arms_of_poles = centres[poles] - delaunay.sites[samples[:, 0]]
     return Poles(
         sites=delaunay.sites,
@@ -131,4 +138,6 @@ def find_poles(delaunay: Triangulation, sample_count: int) -> Poles:
         pair_samples=paired,
         outermost=(samples >= sample_count).any(axis=1)
         | _beyond(centres[poles], delaunay.sites, sample_count),
+        spacing=spacing,
+        room=room,
     )

@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 import shapes
+from scipy.spatial import cKDTree
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.geometry.surfaces import topology
@@ -122,3 +123,13 @@ def test_attributes_are_exact_at_samples_and_between_their_neighbours_elsewhere(
     assert np.unique(carry_over(samples, np.ones(200), 0.9 * samples)).tolist() == [1.0]
     colours = np.random.default_rng(0).random((200, 4))
     assert carry_over(samples, colours, samples[:7]).tolist() == colours[:7].tolist()
+
+
+def test_spacing_is_the_distance_to_the_nearest_sample():
+    samples = np.random.default_rng(31).random((400, 3)) * [3.0, 1.0, 0.1]
+    poles = find_poles(delaunay(enclose(samples)), len(samples))
+    apart = cKDTree(samples).query(samples, k=5)[0]
+    np.testing.assert_array_equal(poles.spacing, apart[:, 1])
+    # not all of the four nearest samples are Delaunay neighbours, but most are
+    assert np.all(poles.room >= apart[:, 1:].mean(axis=1) * (1 - 1e-12))
+    assert np.median(poles.room / apart[:, 1:].mean(axis=1)) < 1.001
