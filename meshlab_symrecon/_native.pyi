@@ -37,6 +37,19 @@ def pole_cells(
 def sample_spacings(
     sites: NDArray[np.float64], cells: NDArray[np.int32], samples: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def linked_pieces(
+    sites: NDArray[np.float64],
+    cells: NDArray[np.int32],
+    room: NDArray[np.float64],
+    loose: NDArray[np.uint8],
+    reach: float,
+) -> NDArray[np.int32]: ...
+def grow_without_loops(
+    cells: NDArray[np.int32],
+    wanted: NDArray[np.uint8],
+    certain: NDArray[np.uint8],
+    size: NDArray[np.float64],
+) -> NDArray[np.uint8]: ...
 def label_pieces(cells: NDArray[np.int32], labels: NDArray[np.uint8]) -> NDArray[np.int32]: ...
 def surface_topology(
     faces: NDArray[np.int32], vertex_count: int

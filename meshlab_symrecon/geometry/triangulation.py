@@ -13,7 +13,7 @@ from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points, as_points, as_scalars
 from meshlab_symrecon.errors import GeometryError
 
-__all__ = ["Triangulation", "circumcentres", "delaunay", "regular_triangulation"]
+__all__ = ["SmallIndices", "Triangulation", "circumcentres", "delaunay", "regular_triangulation"]
 
 # Cells of two million sites fit 32-bit indices at half the memory of 64-bit ones.
 SmallIndices: TypeAlias = NDArray[np.int32]

@@ -1,0 +1,157 @@
+#include "handles.hpp"
+
+#include <algorithm>
+#include <queue>
+
+#include "disjoint_sets.hpp"
+
+namespace symrecon {
+namespace {
+
+constexpr std::int64_t kStepsPerPoll = 1 << 13;
+
+// The cells at each candidate, as rows of one array.
+struct Stars {
+  std::vector<std::int32_t> start, cell;
+
+  Stars(const std::vector<Quad>& cells, const std::vector<std::uint8_t>& candidate) : start(candidate.size() + 1, 0) {
+    for (const Quad& corners : cells)
+      for (const std::int32_t site : corners) start[site + 1] += candidate[site];
+    for (std::size_t i = 0; i < candidate.size(); ++i) start[i + 1] += start[i];
+    cell.resize(start.back());
+    std::vector<std::int32_t> place(start.begin(), start.end() - 1);
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      for (const std::int32_t site : cells[i])
+        if (candidate[site]) cell[place[site]++] = static_cast<std::int32_t>(i);
+  }
+};
+
+std::vector<std::uint8_t> uncertain(const std::vector<std::uint8_t>& wanted, const std::vector<std::uint8_t>& certain) {
+  std::vector<std::uint8_t> result(wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i) result[i] = wanted[i] && !certain[i];
+  return result;
+}
+
+struct Candidate {
+  double size;
+  std::int32_t site;
+  bool operator<(const Candidate& other) const {
+    return size != other.size ? size < other.size : site > other.site;
+  }
+};
+
+class Growth {
+ public:
+  Growth(const std::vector<Quad>& cells, const std::vector<std::uint8_t>& wanted,
+         const std::vector<std::uint8_t>& certain, const std::vector<double>& size)
+      : cells_(cells),
+        candidate_(uncertain(wanted, certain)),
+        size_(size),
+        stars_(cells, candidate_),
+        grown_(certain),
+        queued_(wanted.size(), 0),
+        place_(wanted.size(), -1),
+        pieces_(wanted.size()) {
+    for (const Quad& corners : cells) {
+      std::int32_t first = -1;
+      for (const std::int32_t site : corners) {
+        if (!grown_[site]) continue;
+        if (first < 0) {
+          first = site;
+        } else {
+          pieces_.join(first, site);
+        }
+      }
+    }
+    for (std::size_t site = 0; site < wanted.size(); ++site) offer(static_cast<std::int32_t>(site));
+  }
+
+  std::vector<std::uint8_t> run(const std::function<void()>& poll) {
+    for (std::int64_t step = 0; !queue_.empty(); ++step) {
+      if (step % kStepsPerPoll == 0) poll();
+      const std::int32_t site = queue_.top().site;
+      queue_.pop();
+      queued_[site] = 0;
+      gather(site);
+      if (!closes_loop()) add(site);
+    }
+    return std::move(grown_);
+  }
+
+ private:
+  void offer(std::int32_t site) {
+    if (!candidate_[site] || grown_[site] || queued_[site]) return;
+    queued_[site] = 1;
+    queue_.push({size_[site], site});
+  }
+
+  // The neighbours of a site, and the parts of the grown set among them.
+  void gather(std::int32_t site) {
+    ring_.clear();
+    parts_.clear();
+    for (std::int32_t i = stars_.start[site]; i < stars_.start[site + 1]; ++i) {
+      std::int32_t first = -1;
+      for (const std::int32_t other : cells_[stars_.cell[i]]) {
+        if (other == site) continue;
+        if (place_[other] < 0) {
+          place_[other] = static_cast<std::int32_t>(ring_.size());
+          parts_.push_back(place_[other]);
+          ring_.push_back(other);
+        }
+        if (!grown_[other]) continue;
+        if (first < 0) {
+          first = place_[other];
+        } else {
+          parts_[part(first)] = part(place_[other]);
+        }
+      }
+    }
+    for (const std::int32_t other : ring_) place_[other] = -1;
+  }
+
+  std::int32_t part(std::int32_t k) const {
+    while (parts_[k] != k) k = parts_[k];
+    return k;
+  }
+
+  // Whether two parts round the gathered site are joined elsewhere already.
+  bool closes_loop() {
+    met_.clear();
+    for (std::size_t k = 0; k < ring_.size(); ++k)
+      if (grown_[ring_[k]] && parts_[k] == static_cast<std::int32_t>(k)) met_.push_back(pieces_.find(ring_[k]));
+    std::sort(met_.begin(), met_.end());
+    return std::adjacent_find(met_.begin(), met_.end()) != met_.end();
+  }
+
+  void add(std::int32_t site) {
+    grown_[site] = 1;
+    for (const std::int32_t other : ring_) {
+      if (grown_[other]) {
+        pieces_.join(site, other);
+      } else {
+        offer(other);  // it may have been refused before
+      }
+    }
+  }
+
+  const std::vector<Quad>& cells_;
+  const std::vector<std::uint8_t> candidate_;
+  const std::vector<double>& size_;
+  Stars stars_;
+  std::vector<std::uint8_t> grown_, queued_;
+  std::vector<std::int32_t> place_;  // of a site in the ring while it is gathered, else -1
+  std::vector<std::int32_t> ring_, parts_, met_;
+  DisjointSets pieces_;
+  std::priority_queue<Candidate> queue_;
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> grow_without_loops(const std::vector<Quad>& cells, const std::vector<std::uint8_t>& wanted,
+                                             const std::vector<std::uint8_t>& certain, const std::vector<double>& size,
+                                             const std::function<void()>& poll) {
+  if (wanted == certain) return wanted;
+  return Growth(cells, wanted, certain, size).run(poll);
+}
+
+}  // namespace symrecon
