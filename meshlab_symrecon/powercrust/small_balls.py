@@ -1,24 +1,42 @@
 """Small polar balls: what noise makes, told by their size beside the spacing of the samples.
 
-On a clean surface both polar balls of a sample are much larger than the distance to the next
-samples.  Noise makes poles inside the band of the samples, whose balls are about as large as the
-spacing.  They bend the surface and, between two sheets, pierce it (Mederos, Amenta, Velho,
-Figueiredo, "Surface reconstruction from noisy point clouds", 2005, keep large balls alone).
+A sample of a surface has at least one polar ball much larger than the distance to the next samples:
+both in a thick part, the outer one in a thin part.  Noise makes samples with two small balls, inside
+the band that it spreads the surface to.  Such balls bend the surface and, between two sheets, pierce
+it (Mederos, Amenta, Velho, Figueiredo, "Surface reconstruction from noisy point clouds", 2005, keep
+large balls alone).
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from meshlab_symrecon.arrays import Booleans, Floats
 from meshlab_symrecon.powercrust.poles import Poles
 
-__all__ = ["AUTOMATIC_SMALLEST", "drop_small_balls", "relative_sizes", "smallest_ball"]
+__all__ = ["NoiseLimits", "drop_small_balls", "noise_limits", "relative_sizes"]
 
-NOISY = 1.3  # spacings: the median smaller ball of a sample where noise is as wide as the spacing
-AUTOMATIC_SMALLEST = 1.0  # spacings: smaller balls of so noisy samples are dropped
+ROUND = 3.0  # spacings: the larger ball of a sample of a surface is larger
+SOME_NOISE = 0.15  # share of samples with two small balls; finely detailed clean clouds reach 0.11
+MUCH_NOISE = 0.5  # the same where the noise is as wide as the spacing
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseLimits:
+    """What is too small to be trusted, in multiples of the local spacing.
+
+    Attributes
+    ----------
+    ball : float
+        Smaller polar balls are dropped.
+    handle : float
+        A handle needs a ball of this size on its narrowest way.
+    """
+
+    ball: float
+    handle: float
 
 
 def relative_sizes(poles: Poles) -> Floats:
@@ -33,15 +51,13 @@ def relative_sizes(poles: Poles) -> Floats:
     return sizes
 
 
-def smallest_ball(poles: Poles) -> float:
-    """Return the least size of balls to keep that suits the samples, in multiples of the spacing.
-
-    Zero unless most samples have a ball hardly larger than the spacing, the mark of noise.
-    """
-    if not len(poles.pairs):
-        return 0.0
-    smaller = poles.radii[poles.pairs].min(axis=1) / poles.room[poles.pair_samples]
-    return AUTOMATIC_SMALLEST if float(np.median(smaller)) < NOISY else 0.0
+def noise_limits(poles: Poles) -> NoiseLimits:
+    """Return the limits that suit the samples: zero for clean ones."""
+    larger = poles.radii[poles.pairs].max(axis=1, initial=0.0)
+    noisy = np.count_nonzero(larger < ROUND * poles.room[poles.pair_samples])
+    if noisy > MUCH_NOISE * len(larger):
+        return NoiseLimits(ball=1.0, handle=1.5)
+    return NoiseLimits(ball=0.0, handle=1.0 if noisy > SOME_NOISE * len(larger) else 0.0)
 
 
 def drop_small_balls(poles: Poles, smallest: float) -> tuple[Poles, int]:

@@ -14,9 +14,10 @@ from meshlab_symrecon.powercrust.handles import without_small_handles
 from meshlab_symrecon.powercrust.outliers import outliers
 from meshlab_symrecon.powercrust.poles import CUBE, Poles, enclose, find_poles
 from meshlab_symrecon.powercrust.small_balls import (
+    NoiseLimits,
     drop_small_balls,
+    noise_limits,
     relative_sizes,
-    smallest_ball,
 )
 
 
@@ -109,15 +110,32 @@ def test_links_refuse_what_does_not_fit(change):
 def test_clean_samples_keep_all_balls():
     for samples in (shapes.torus(3000, seed=1), shapes.statue(3000), shapes.fibonacci_sphere(500)):
         poles = poles_of(samples)[1]
-        assert smallest_ball(poles) == 0.0
+        assert noise_limits(poles) == NoiseLimits(ball=0.0, handle=0.0)
         assert drop_small_balls(poles, 0.0) == (poles, 0)
+
+
+def test_a_thin_wall_is_no_noise():
+    """A tube whose wall is thinner than the spacing: every inner ball is small."""
+    rng = np.random.default_rng(12)
+    turn, height = rng.random((2, 6000)) * [[2 * np.pi], [2.0]]
+    radius = np.where(rng.random(6000) < 0.5, 1.0, 0.97)
+    samples = np.stack([radius * np.cos(turn), radius * np.sin(turn), height], axis=1)
+    poles = poles_of(samples)[1]
+    assert np.median(poles.radii[poles.pairs].min(axis=1) / poles.room[poles.pair_samples]) < 1.5
+    assert noise_limits(poles) == NoiseLimits(ball=0.0, handle=0.0)
+
+
+def test_a_little_noise_limits_handles_alone():
+    rng = np.random.default_rng(13)
+    samples = shapes.torus(6000, seed=11) + rng.normal(0.0, 0.015, (6000, 3))
+    assert noise_limits(poles_of(samples)[1]) == NoiseLimits(ball=0.0, handle=1.0)
 
 
 def test_noisy_samples_lose_the_balls_inside_their_band():
     rng = np.random.default_rng(11)
     samples = shapes.torus(6000, seed=11) + rng.normal(0.0, 0.05, (6000, 3))
     poles = poles_of(samples)[1]
-    smallest = smallest_ball(poles)
+    smallest = noise_limits(poles).ball
     assert smallest > 0.0
     kept, dropped = drop_small_balls(poles, smallest)
     assert dropped == len(poles.centres) - len(kept.centres) > 0
