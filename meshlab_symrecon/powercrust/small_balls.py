@@ -1,10 +1,10 @@
 """Small polar balls: what noise makes, told by their size beside the spacing of the samples.
 
-A sample of a surface has at least one polar ball much larger than the distance to the next samples:
-both in a thick part, the outer one in a thin part.  Noise makes samples with two small balls, inside
-the band that it spreads the surface to.  Such balls bend the surface and, between two sheets, pierce
-it (Mederos, Amenta, Velho, Figueiredo, "Surface reconstruction from noisy point clouds", 2005, keep
-large balls alone).
+A sample of a surface has at least one polar ball much larger than the distance to the next
+samples: both in a thick part, the outer one in a thin part.  Noise makes samples with two small
+balls, inside the band that it spreads the surface to.  Such balls bend the surface and, between two
+sheets, pierce it (Mederos, Amenta, Velho, Figueiredo, "Surface reconstruction from noisy point
+clouds", 2005, keep large balls alone).
 """
 
 from __future__ import annotations

@@ -127,7 +127,7 @@ def test_a_thin_wall_is_no_noise():
 
 def test_a_little_noise_limits_handles_alone():
     rng = np.random.default_rng(13)
-    samples = shapes.torus(6000, seed=11) + rng.normal(0.0, 0.015, (6000, 3))
+    samples = shapes.torus(6000, seed=11) + rng.normal(0.0, 0.02, (6000, 3))
     assert noise_limits(poles_of(samples)[1]) == NoiseLimits(ball=0.0, handle=1.0)
 
 
