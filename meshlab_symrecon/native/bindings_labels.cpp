@@ -1,0 +1,150 @@
+// numpy borders of the labelling: the arrays are looked at in place, and results are handed over.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <initializer_list>
+#include <stdexcept>
+#include <utility>
+
+#include "bindings.hpp"
+#include "evidence_paths.hpp"
+#include "minimum_cut.hpp"
+#include "pole_graph.hpp"
+#include "pole_pieces.hpp"
+
+namespace nb = nanobind;
+
+namespace symrecon {
+namespace {
+
+template <typename T>
+using Row = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+template <typename T, Py_ssize_t Width>
+using Rows = nb::ndarray<const T, nb::shape<-1, Width>, nb::c_contig, nb::device::cpu>;
+using Offsets = Row<std::int64_t>;
+using Numbers = Row<std::int32_t>;
+
+template <typename T>
+View<T> view(const Row<T>& array) {
+  return {array.data(), array.shape(0)};
+}
+
+template <typename T, Py_ssize_t Width>
+View<std::array<T, Width>> view(const Rows<T, Width>& array) {
+  return {reinterpret_cast<const std::array<T, Width>*>(array.data()), array.shape(0)};
+}
+
+// Hand a vector over to numpy without copying it.
+template <typename T, typename Item>
+nb::ndarray<nb::numpy, T> give(std::vector<Item>&& values, std::initializer_list<std::size_t> shape) {
+  auto* owner = new std::vector<Item>(std::move(values));
+  nb::capsule release(owner, [](void* p) noexcept { delete static_cast<std::vector<Item>*>(p); });
+  return nb::ndarray<nb::numpy, T>(owner->data(), shape, release);
+}
+
+template <typename T>
+nb::ndarray<nb::numpy, T> give(std::vector<T>&& values) {
+  const std::size_t size = values.size();
+  return give<T, T>(std::move(values), {size});
+}
+
+// Lets Ctrl-C through, and tells a Python callable, if there is one, the share done.
+Progress reporter(const nb::object& progress) {
+  return [&progress](double fraction) {
+    nb::gil_scoped_acquire hold;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    if (!progress.is_none()) progress(fraction);
+  };
+}
+
+template <typename Work>
+auto without_gil(Work&& work) {
+  nb::gil_scoped_release release;
+  return work();
+}
+
+PoleGraphView graph_view(const Offsets& offsets, const Numbers& ends, const Row<float>& cosines) {
+  return {view(offsets), view(ends), view(cosines)};
+}
+
+nb::tuple graph_of(Rows<double, 3> centres, Row<double> radii, Rows<std::int32_t, 4> samples,
+                   Row<std::uint8_t> used, std::int32_t sample_count, Rows<std::int32_t, 4> cells,
+                   std::int32_t most_partners, const nb::object& progress) {
+  const PolarBalls balls{view(centres), view(radii), view(samples), view(used), sample_count};
+  const Progress report = reporter(progress);
+  PoleGraph graph = without_gil([&] { return pole_graph(balls, view(cells), most_partners, report); });
+  return nb::make_tuple(give(std::move(graph.offsets)), give(std::move(graph.ends)),
+                        give(std::move(graph.cosines)));
+}
+
+nb::ndarray<nb::numpy, double> paths_of(Offsets offsets, Numbers ends, Row<float> cosines, Numbers first,
+                                        Numbers second, Row<double> certainty, Row<std::uint8_t> seeds,
+                                        const nb::object& progress) {
+  const PoleGraphView graph = graph_view(offsets, ends, cosines);
+  const Progress report = reporter(progress);
+  PathCosts costs = without_gil([&] {
+    const OppositePoles opposites(graph.size(), view(first), view(second), view(certainty));
+    return evidence_paths(graph, opposites, view(seeds), report);
+  });
+  const std::size_t count = costs.size();
+  return give<double>(std::move(costs), {count, 2});
+}
+
+// A minimum cut that keeps the arrays it looks at alive.
+class BoundCut {
+ public:
+  BoundCut(Offsets offsets, Numbers ends, Row<std::uint16_t> capacities)
+      : offsets_(offsets), ends_(ends), capacities_(capacities), cut_(view(offsets), view(ends), view(capacities)) {}
+
+  nb::ndarray<nb::numpy, std::uint8_t> inner_side(Numbers ties, const nb::object& progress) {
+    const Progress report = reporter(progress);
+    return give(without_gil([&] { return cut_.inner_side(view(ties), report); }));
+  }
+
+ private:
+  Offsets offsets_;
+  Numbers ends_;
+  Row<std::uint16_t> capacities_;
+  MinimumCut cut_;
+};
+
+}  // namespace
+
+void bind_labels(nb::module_& module) {
+  module.def("pole_graph", &graph_of, nb::arg("centres"), nb::arg("radii"), nb::arg("samples"), nb::arg("used"),
+             nb::arg("sample_count"), nb::arg("cells"), nb::arg("most_partners"), nb::arg("progress") = nb::none(),
+             "Balls that intersect at less than a right angle: offsets, ends, cosines.");
+  module.def(
+      "flatness_of_pairs",
+      [](Rows<double, 3> centres, Rows<std::int32_t, 2> pairs, Rows<double, 3> samples, Numbers pair_samples) {
+        return give(without_gil(
+            [&] { return flatness_of_pairs(view(centres), view(pairs), view(samples), view(pair_samples)); }));
+      },
+      nb::arg("centres"), nb::arg("pairs"), nb::arg("samples"), nb::arg("pair_samples"),
+      "Minus the cosine of the angle between the two poles of each sample.");
+  module.def("evidence_paths", &paths_of, nb::arg("offsets"), nb::arg("ends"), nb::arg("cosines"), nb::arg("first"),
+             nb::arg("second"), nb::arg("certainty"), nb::arg("seeds"), nb::arg("progress") = nb::none(),
+             "Cost of the cheapest path of evidence to 'outside' and to 'inside' of each pole.");
+  nb::class_<BoundCut>(module, "MinimumCut")
+      .def(nb::init<Offsets, Numbers, Row<std::uint16_t>>(), nb::arg("offsets"), nb::arg("ends"),
+           nb::arg("capacities"))
+      .def("inner_side", &BoundCut::inner_side, nb::arg("ties"), nb::arg("progress") = nb::none(),
+           "The nodes on the inner side of the minimum cut that leaves the most there.");
+  module.def(
+      "label_pieces",
+      [](Rows<std::int32_t, 4> cells, Row<std::uint8_t> labels) {
+        return give(without_gil([&] { return label_pieces(view(cells), view(labels)); }));
+      },
+      nb::arg("cells"), nb::arg("labels"), "The piece of each site, connected by edges between sites of equal label.");
+  module.def(
+      "turn_small_pieces",
+      [](Rows<std::int32_t, 4> cells, Row<std::uint8_t> labels, Row<std::uint8_t> fixed, Numbers samples,
+         double smallest) {
+        return give(without_gil(
+            [&] { return turn_small_pieces(view(cells), view(labels), view(fixed), view(samples), smallest); }));
+      },
+      nb::arg("cells"), nb::arg("labels"), nb::arg("fixed"), nb::arg("samples"), nb::arg("smallest"),
+      "The labels with islands and bubbles of fewer samples turned over.");
+}
+
+}  // namespace symrecon
