@@ -63,31 +63,25 @@ auto without_gil(Work&& work) {
   return work();
 }
 
-PoleGraphView graph_view(const Offsets& offsets, const Numbers& ends, const Row<float>& cosines) {
-  return {view(offsets), view(ends), view(cosines)};
-}
-
 nb::tuple graph_of(Rows<double, 3> centres, Row<double> radii, Rows<std::int32_t, 4> samples,
                    Row<std::uint8_t> used, std::int32_t sample_count, Rows<std::int32_t, 4> cells,
-                   std::int32_t most_partners, const nb::object& progress) {
+                   Rows<std::int32_t, 4> neighbours, std::int32_t most_partners, const nb::object& progress) {
   const PolarBalls balls{view(centres), view(radii), view(samples), view(used), sample_count};
   const Progress report = reporter(progress);
-  PoleGraph graph = without_gil([&] { return pole_graph(balls, view(cells), most_partners, report); });
+  PoleGraph graph = without_gil([&] { return pole_graph(balls, view(cells), view(neighbours), most_partners, report); });
   return nb::make_tuple(give(std::move(graph.offsets)), give(std::move(graph.ends)),
                         give(std::move(graph.cosines)));
 }
 
-nb::ndarray<nb::numpy, double> paths_of(Offsets offsets, Numbers ends, Row<float> cosines, Numbers first,
-                                        Numbers second, Row<double> certainty, Row<std::uint8_t> seeds,
-                                        const nb::object& progress) {
-  const PoleGraphView graph = graph_view(offsets, ends, cosines);
+nb::tuple paths_of(Offsets offsets, Numbers ends, Row<float> lengths, Numbers first, Numbers second,
+                   Row<double> crossings, Row<std::uint8_t> seeds, const nb::object& progress) {
+  const Network same_side{view(offsets), view(ends), view(lengths)};
   const Progress report = reporter(progress);
   PathCosts costs = without_gil([&] {
-    const OppositePoles opposites(graph.size(), view(first), view(second), view(certainty));
-    return evidence_paths(graph, opposites, view(seeds), report);
+    const OppositePoles other_side(seeds.shape(0), view(first), view(second), view(crossings));
+    return evidence_paths(same_side, other_side, view(seeds), report);
   });
-  const std::size_t count = costs.size();
-  return give<double>(std::move(costs), {count, 2});
+  return nb::make_tuple(give(std::move(costs[0])), give(std::move(costs[1])));
 }
 
 // A minimum cut that keeps the arrays it looks at alive.
@@ -112,7 +106,7 @@ class BoundCut {
 
 void bind_labels(nb::module_& module) {
   module.def("pole_graph", &graph_of, nb::arg("centres"), nb::arg("radii"), nb::arg("samples"), nb::arg("used"),
-             nb::arg("sample_count"), nb::arg("cells"), nb::arg("most_partners"), nb::arg("progress") = nb::none(),
+             nb::arg("sample_count"), nb::arg("cells"), nb::arg("neighbours"), nb::arg("most_partners"), nb::arg("progress") = nb::none(),
              "Balls that intersect at less than a right angle: offsets, ends, cosines.");
   module.def(
       "flatness_of_pairs",
@@ -122,9 +116,9 @@ void bind_labels(nb::module_& module) {
       },
       nb::arg("centres"), nb::arg("pairs"), nb::arg("samples"), nb::arg("pair_samples"),
       "Minus the cosine of the angle between the two poles of each sample.");
-  module.def("evidence_paths", &paths_of, nb::arg("offsets"), nb::arg("ends"), nb::arg("cosines"), nb::arg("first"),
-             nb::arg("second"), nb::arg("certainty"), nb::arg("seeds"), nb::arg("progress") = nb::none(),
-             "Cost of the cheapest path of evidence to 'outside' and to 'inside' of each pole.");
+  module.def("evidence_paths", &paths_of, nb::arg("offsets"), nb::arg("ends"), nb::arg("lengths"), nb::arg("first"),
+             nb::arg("second"), nb::arg("crossings"), nb::arg("seeds"), nb::arg("progress") = nb::none(),
+             "Length of the shortest path from a seed to the outer and to the inner copy of each pole.");
   nb::class_<BoundCut>(module, "MinimumCut")
       .def(nb::init<Offsets, Numbers, Row<std::uint16_t>>(), nb::arg("offsets"), nb::arg("ends"),
            nb::arg("capacities"))

@@ -7,15 +7,22 @@
 #include <vector>
 
 #include "opposite_poles.hpp"
-#include "pole_graph.hpp"
+#include "patience.hpp"
 
 namespace symrecon {
 
-// The cost of the cheapest path from the outer copies of the seeds to a pole's outer and to its inner
-// copy; infinite where there is none.  An edge costs minus the logarithm of its cosine or certainty.
-using PathCosts = std::vector<std::array<double, 2>>;
+// Neighbours of node i are ends[offsets[i]] .. ends[offsets[i + 1] - 1], at these distances.
+struct Network {
+  View<std::int64_t> offsets;
+  View<std::int32_t> ends;
+  View<float> lengths;
+};
 
-PathCosts evidence_paths(const PoleGraphView& graph, const OppositePoles& opposites,
+// The length of the shortest path from the outer copies of the seeds to a pole's outer and to its
+// inner copy; infinite where there is none.  No length is negative.
+using PathCosts = std::array<std::vector<double>, 2>;
+
+PathCosts evidence_paths(const Network& same_side, const OppositePoles& other_side,
                          View<std::uint8_t> seeds, const Progress& progress);
 
 }  // namespace symrecon

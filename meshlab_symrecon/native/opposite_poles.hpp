@@ -1,4 +1,4 @@
-// The opposite poles of each pole, with the certainty that the surface parts them.
+// The opposite poles of each pole, with what is known of each pair.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,13 @@ namespace symrecon {
 struct OppositePoles {
   struct Arc {
     std::int32_t pole;
-    double certainty;
+    double value;
   };
   std::vector<std::int64_t> offsets;  // those of pole i are arcs[offsets[i]] .. arcs[offsets[i + 1] - 1]
   std::vector<Arc> arcs;
 
   OppositePoles(std::size_t poles, View<std::int32_t> first, View<std::int32_t> second,
-                View<double> certainty)
+                View<double> values)
       : offsets(poles + 1, 0), arcs(2 * first.size()) {
     for (std::size_t k = 0; k < first.size(); ++k) {
       ++offsets[first[k] + 1];
@@ -27,8 +27,8 @@ struct OppositePoles {
     std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
     std::vector<std::int64_t> next(offsets.begin(), offsets.end() - 1);
     for (std::size_t k = 0; k < first.size(); ++k) {
-      arcs[next[first[k]]++] = {second[k], certainty[k]};
-      arcs[next[second[k]]++] = {first[k], certainty[k]};
+      arcs[next[first[k]]++] = {second[k], values[k]};
+      arcs[next[second[k]]++] = {first[k], values[k]};
     }
   }
 };

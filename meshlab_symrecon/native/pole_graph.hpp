@@ -19,14 +19,6 @@ struct PoleGraph {
   std::vector<float> cosines;
 };
 
-struct PoleGraphView {
-  View<std::int64_t> offsets;
-  View<std::int32_t> ends;
-  View<float> cosines;
-
-  std::size_t size() const { return offsets.size() - 1; }
-};
-
 // Balls and what joins them: cells of their regular triangulation, and samples on their spheres.
 struct PolarBalls {
   View<Position> centres;
@@ -38,8 +30,8 @@ struct PolarBalls {
 
 // Join the used balls that share an edge of `cells`, or a sample with one of the `most_partners` - 1
 // used balls before them at that sample, where their cosine is positive.
-PoleGraph pole_graph(const PolarBalls& balls, View<Quad> cells, std::int32_t most_partners,
-                     const Progress& progress);
+PoleGraph pole_graph(const PolarBalls& balls, View<Quad> cells, View<Quad> neighbours,
+                     std::int32_t most_partners, const Progress& progress);
 
 // For each pair of poles of a sample the cosine between the directions to them, turned over: 1 where
 // they lie straight across.

@@ -54,17 +54,21 @@ def path_costs(
     progress : callable, optional
         Called with the share done, 0 to 1; what it raises stops the work.
     """
-    costs = _native.evidence_paths(
+    lengths = np.log(near.cosine)
+    np.negative(lengths, out=lengths)
+    with np.errstate(divide="ignore"):
+        crossings = -np.log(across.certainty)
+    to_outer, to_inner = _native.evidence_paths(
         near.offsets,
         near.ends,
-        near.cosine,
+        lengths,
         across.first,
         across.second,
-        across.certainty,
+        crossings,
         outer.view(np.uint8),
         progress,
     )
-    return costs[:, 0], costs[:, 1]
+    return to_outer, to_inner
 
 
 def corrected_by_cuts(

@@ -98,6 +98,7 @@ def intersections(
         shown_poles(diagram).view(np.uint8),
         poles.sample_count,
         diagram.cells,
+        diagram.neighbours,
         MOST_PARTNERS,
         progress,
     )
