@@ -11,6 +11,7 @@
 #include "minimum_cut.hpp"
 #include "pole_graph.hpp"
 #include "pole_pieces.hpp"
+#include "propagation.hpp"
 
 namespace nb = nanobind;
 
@@ -84,6 +85,17 @@ nb::tuple paths_of(Offsets offsets, Numbers ends, Row<float> lengths, Numbers fi
   return nb::make_tuple(give(std::move(costs[0])), give(std::move(costs[1])));
 }
 
+nb::ndarray<nb::numpy, std::uint8_t> labels_of(Offsets offsets, Numbers ends, Row<float> lengths, Numbers first,
+                                               Numbers second, Row<double> flatness, Row<std::uint8_t> seeds,
+                                               double offered, double accepted, const nb::object& progress) {
+  const Network intersections{view(offsets), view(ends), view(lengths)};
+  const Progress report = reporter(progress);
+  return give(without_gil([&] {
+    const OppositePoles opposites(seeds.shape(0), view(first), view(second), view(flatness));
+    return propagate_labels({intersections, opposites}, view(seeds), {offered, accepted}, report);
+  }));
+}
+
 // A minimum cut that keeps the arrays it looks at alive.
 class BoundCut {
  public:
@@ -119,6 +131,10 @@ void bind_labels(nb::module_& module) {
   module.def("evidence_paths", &paths_of, nb::arg("offsets"), nb::arg("ends"), nb::arg("lengths"), nb::arg("first"),
              nb::arg("second"), nb::arg("crossings"), nb::arg("seeds"), nb::arg("progress") = nb::none(),
              "Length of the shortest path from a seed to the outer and to the inner copy of each pole.");
+  module.def("propagate_labels", &labels_of, nb::arg("offsets"), nb::arg("ends"), nb::arg("lengths"), nb::arg("first"),
+             nb::arg("second"), nb::arg("flatness"), nb::arg("seeds"), nb::arg("offered"), nb::arg("accepted"),
+             nb::arg("progress") = nb::none(),
+             "The label of each pole by greedy propagation: 0 none, 1 outside, 2 inside.");
   nb::class_<BoundCut>(module, "MinimumCut")
       .def(nb::init<Offsets, Numbers, Row<std::uint16_t>>(), nb::arg("offsets"), nb::arg("ends"),
            nb::arg("capacities"))

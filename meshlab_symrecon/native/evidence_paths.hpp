@@ -6,17 +6,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "network.hpp"
 #include "opposite_poles.hpp"
 #include "patience.hpp"
 
 namespace symrecon {
-
-// Neighbours of node i are ends[offsets[i]] .. ends[offsets[i + 1] - 1], at these distances.
-struct Network {
-  View<std::int64_t> offsets;
-  View<std::int32_t> ends;
-  View<float> lengths;
-};
 
 // The length of the shortest path from the outer copies of the seeds to a pole's outer and to its
 // inner copy; infinite where there is none.  No length is negative.

@@ -17,7 +17,7 @@ class Patience {
 
   // To be called once a step.  More steps than expected report as all of them.
   void step() {
-    if ((++done_ & 0x3fff) == 0 && report_)
+    if ((++done_ & 0xfff) == 0 && report_)
       report_(std::min(1.0, static_cast<double>(done_) / static_cast<double>(work_)));
   }
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans
+from meshlab_symrecon.errors import GeometryError
 from meshlab_symrecon.geometry.triangulation import Triangulation
 from meshlab_symrecon.powercrust.minimum_cut import corrected_by_cuts, path_costs
 from meshlab_symrecon.powercrust.pole_graph import (
@@ -20,13 +19,17 @@ from meshlab_symrecon.powercrust.pole_graph import (
     shown_poles,
 )
 from meshlab_symrecon.powercrust.poles import Poles
+from meshlab_symrecon.powercrust.progress import Progress, part
+from meshlab_symrecon.powercrust.propagation import propagated
 
-__all__ = ["Labels", "label_poles"]
+__all__ = ["METHODS", "Labels", "label_poles"]
 
-Progress: TypeAlias = Callable[[float], object]
+METHODS = ("min cut", "propagation")
+
 
 SMALLEST_PIECE = 0.005  # share of the samples; a smaller island or bubble is noise
-GRAPH_DONE, PATHS_DONE = 0.3, 0.6  # shares of the time
+GRAPH_DONE = 0.4  # share of the time
+PATHS_DONE = 0.7  # share of the rest
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +51,11 @@ class Labels:
 
 
 def label_poles(
-    poles: Poles, diagram: Triangulation, *, progress: Progress | None = None
+    poles: Poles,
+    diagram: Triangulation,
+    *,
+    method: str = METHODS[0],
+    progress: Progress | None = None,
 ) -> Labels:
     """Tell inner poles from outer ones.
 
@@ -57,14 +64,26 @@ def label_poles(
     poles : Poles
     diagram : Triangulation
         Regular triangulation of the polar balls.
+    method : str
+        One of `METHODS`: ``min cut`` weighs all evidence against each other and bears noise,
+        outliers and holes; ``propagation`` is the greedy queue of the paper.
     progress : callable, optional
         Called with the share done, 0 to 1; what it raises stops the work.
+
+    Raises
+    ------
+    GeometryError
+        No such method.
     """
+    if method not in METHODS:
+        names = " or ".join(map(repr, METHODS))
+        raise GeometryError(f"poles are labelled by {names}; got {method!r}; choose one of these")
     shown = shown_poles(diagram)
     outer = _certainly_outside(poles, diagram)
-    near = intersections(poles, diagram, progress=_part(progress, 0.0, GRAPH_DONE))
+    near = intersections(poles, diagram, progress=part(progress, 0.0, GRAPH_DONE))
     across = opposites(poles, diagram.representative)
-    inside, reached = _by_minimum_cut(near, across, outer, progress)
+    decide = _by_minimum_cut if method == "min cut" else propagated
+    inside, reached = decide(near, across, outer, progress=part(progress, GRAPH_DONE, 1.0))
     inside, flipped = _without_small_pieces(poles, diagram, inside & reached & shown, outer)
     return Labels(
         inside=inside[diagram.representative],
@@ -74,13 +93,11 @@ def label_poles(
 
 
 def _by_minimum_cut(
-    near: Intersections, across: Opposites, outer: Booleans, progress: Progress | None
+    near: Intersections, across: Opposites, outer: Booleans, *, progress: Progress | None
 ) -> tuple[Booleans, Booleans]:
-    """Return (p,) which poles lie inside, and which ones any evidence reaches."""
-    costs = path_costs(near, across, outer, progress=_part(progress, GRAPH_DONE, PATHS_DONE))
-    inside = corrected_by_cuts(
-        near, across, costs, outer, progress=_part(progress, PATHS_DONE, 1.0)
-    )
+    """Return which poles lie inside, and which ones any evidence reaches, (p,) bool each."""
+    costs = path_costs(near, across, outer, progress=part(progress, 0.0, PATHS_DONE))
+    inside = corrected_by_cuts(near, across, costs, outer, progress=part(progress, PATHS_DONE, 1.0))
     return inside, np.isfinite(costs[0]) | np.isfinite(costs[1])
 
 
@@ -111,10 +128,3 @@ def _without_small_pieces(
         SMALLEST_PIECE * len(poles.pairs),
     ).view(np.bool_)
     return turned, int(np.count_nonzero((turned != inside) & shown_poles(diagram)))
-
-
-def _part(progress: Progress | None, low: float, high: float) -> Progress | None:
-    """Return a callback that reports the progress of one step as a part of the whole."""
-    if progress is None:
-        return None
-    return lambda fraction: progress(low + (high - low) * fraction)

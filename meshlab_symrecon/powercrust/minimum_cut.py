@@ -10,19 +10,16 @@ the labels of the first.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeAlias
-
 import numpy as np
 from numpy.typing import NDArray
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Floats
 from meshlab_symrecon.powercrust.pole_graph import Intersections, Opposites
+from meshlab_symrecon.powercrust.progress import Progress, part
 
 __all__ = ["corrected_by_cuts", "path_costs"]
 
-Progress: TypeAlias = Callable[[float], object]
 
 SMOOTHNESS = 100.0  # capacity between balls that coincide
 OPPOSITION = 50.0  # capacity of a certain opposite
@@ -31,6 +28,7 @@ MOST_CONFIDENCE = 20.0
 ROUNDS = 2
 MOST_TURNED = 0.4  # of the inner poles: cuts that correct more found a short way across a hole
 RESOLUTION = 256.0  # capacities are whole numbers: a finer unit makes ties between cuts rare
+CHUNK = 1 << 18  # edges at a time: few enough to stay in the cache
 CERTAIN = 1 << 30  # capacity of a tie that the cut must not break
 
 
@@ -46,7 +44,7 @@ def path_costs(
     Parameters
     ----------
     near : Intersections
-        An edge costs -log(cosine) and joins equal labels.
+        An edge joins equal labels.
     across : Opposites
         A pair costs -log(certainty) and joins different labels.
     outer : (p,) bool
@@ -54,14 +52,12 @@ def path_costs(
     progress : callable, optional
         Called with the share done, 0 to 1; what it raises stops the work.
     """
-    lengths = np.log(near.cosine)
-    np.negative(lengths, out=lengths)
     with np.errstate(divide="ignore"):
         crossings = -np.log(across.certainty)
     to_outer, to_inner = _native.evidence_paths(
         near.offsets,
         near.ends,
-        lengths,
+        near.cost,
         across.first,
         across.second,
         crossings,
@@ -91,14 +87,16 @@ def corrected_by_cuts(
     to_outer, to_inner = costs
     by_paths: Booleans = to_inner < to_outer
     confidence = _confidence(to_outer, to_inner)
-    cut = _native.MinimumCut(near.offsets, near.ends, _capacities(near.cosine))
-    inside, told = by_paths, np.full(len(outer), np.nan)
-    for _ in range(ROUNDS):
+    cut = _native.MinimumCut(near.offsets, near.ends, _capacities(near.cost))
+    inside: Booleans = by_paths
+    told: Floats = np.full(len(outer), np.nan)
+    for turn in range(ROUNDS):
         before, told = told, _told_by_opposites(across, inside)
         if np.array_equal(before, told):
             break
         ties = _ties(OPPOSITION * told + CONFIDENCE * confidence, outer)
-        inside = cut.inner_side(ties, progress).view(np.bool_)
+        share = part(progress, turn / ROUNDS, (turn + 1) / ROUNDS)
+        inside = cut.inner_side(ties, share).view(np.bool_)
     turned = np.count_nonzero(inside != by_paths)
     return inside if turned <= MOST_TURNED * np.count_nonzero(by_paths) else by_paths
 
@@ -116,14 +114,14 @@ def _confidence(to_outer: Floats, to_inner: Floats) -> Floats:
 def _told_by_opposites(across: Opposites, inside: Booleans) -> Floats:
     """Return (p,) the certainties of the opposites that lie outside less those inside."""
     side = np.where(inside, -1.0, 1.0)
-    told: Floats = np.bincount(
+    told = np.bincount(
         np.concatenate([across.first, across.second]),
         np.concatenate(
             [across.certainty * side[across.second], across.certainty * side[across.first]]
         ),
         minlength=len(inside),
     )
-    return told
+    return np.asarray(told, dtype=np.float64)
 
 
 def _ties(belief: Floats, outer: Booleans) -> NDArray[np.int32]:
@@ -133,10 +131,11 @@ def _ties(belief: Floats, outer: Booleans) -> NDArray[np.int32]:
     return ties
 
 
-def _capacities(cosine: NDArray[np.float32]) -> NDArray[np.uint16]:
+def _capacities(cost: NDArray[np.float32]) -> NDArray[np.uint16]:
     """Return (e,) whole capacities of the edges, the fourth power of their cosine."""
-    capacities = cosine * cosine
-    capacities *= capacities
-    capacities *= np.float32(RESOLUTION * SMOOTHNESS)
-    np.rint(capacities, out=capacities)
-    return capacities.astype(np.uint16)
+    capacities = np.zeros(len(cost), dtype=np.uint16)
+    for start in range(0, len(cost), CHUNK):
+        fourth_power = np.exp(np.float32(-4.0) * cost[start : start + CHUNK])
+        fourth_power *= np.float32(RESOLUTION * SMOOTHNESS)
+        capacities[start : start + CHUNK] = np.rint(fourth_power)
+    return capacities

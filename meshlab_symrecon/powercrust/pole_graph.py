@@ -7,7 +7,6 @@ on different sides, the more certainly the flatter the angle between them (Ament
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -18,11 +17,11 @@ from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Floats, Indices
 from meshlab_symrecon.geometry.triangulation import Triangulation
 from meshlab_symrecon.powercrust.poles import Poles
+from meshlab_symrecon.powercrust.progress import Progress
 
 __all__ = ["Intersections", "Opposites", "intersections", "opposites", "shown_poles"]
 
 SmallIndices: TypeAlias = NDArray[np.int32]
-Progress: TypeAlias = Callable[[float], object]
 
 FLATTEST = 1.0 - 1e-9  # cosine of poles straight across; keeps -log of it above zero
 MOST_PARTNERS = 24  # balls that meet in a sample, of which about eight are usual
@@ -42,13 +41,14 @@ class Intersections:
     ----------
     offsets : (p + 1,) int
     ends : (e,) int
-    cosine : (e,) float
-        Of the angle at which the balls intersect: 1 for equal balls, 0 for orthogonal ones.
+    cost : (e,) float
+        Minus the logarithm of the cosine of the angle at which the balls intersect: 0 for equal
+        balls, infinite for orthogonal ones.
     """
 
     offsets: Indices
     ends: SmallIndices
-    cosine: NDArray[np.float32]
+    cost: NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,12 +58,17 @@ class Opposites:
     Attributes
     ----------
     first, second : (k,) int
+    flatness : (k,) float
+        Minus the cosine of the angle between the directions to them: 1 where they lie straight
+        across.
     certainty : (k,) float
-        How sure it is that the surface parts them, 0 to 1.
+        How sure it is that the surface parts them, 0 to 1: the flatness, less where the sample
+        does not look like one on a surface.
     """
 
     first: SmallIndices
     second: SmallIndices
+    flatness: Floats
     certainty: Floats
 
 
@@ -91,7 +96,7 @@ def intersections(
     progress : callable, optional
         Called with the share of poles done, 0 to 1; what it raises stops the work.
     """
-    offsets, ends, cosine = _native.pole_graph(
+    offsets, ends, cost = _native.pole_graph(
         poles.centres,
         poles.radii,
         poles.samples.astype(np.int32),
@@ -102,7 +107,9 @@ def intersections(
         MOST_PARTNERS,
         progress,
     )
-    return Intersections(offsets, ends, cosine)
+    np.log(cost, out=cost)  # in place: at millions of samples another array would count
+    np.negative(cost, out=cost)
+    return Intersections(offsets, ends, cost)
 
 
 def opposites(poles: Poles, representative: SmallIndices) -> Opposites:
@@ -120,8 +127,9 @@ def opposites(poles: Poles, representative: SmallIndices) -> Opposites:
     )
     first, second = representative[pairs].T
     useful = (flatness > 0.0) & (first != second)
-    certainty = np.minimum(flatness, FLATTEST) * _trust(poles)
-    return Opposites(first[useful], second[useful], certainty[useful])
+    flatness = np.minimum(flatness, FLATTEST)
+    certainty = flatness * _trust(poles)
+    return Opposites(first[useful], second[useful], flatness[useful], certainty[useful])
 
 
 def _trust(poles: Poles) -> Floats:
