@@ -50,7 +50,65 @@ def grow_without_loops(
     certain: NDArray[np.uint8],
     size: NDArray[np.float64],
 ) -> NDArray[np.uint8]: ...
+def pole_graph(
+    centres: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    samples: NDArray[np.int32],
+    used: NDArray[np.uint8],
+    sample_count: int,
+    cells: NDArray[np.int32],
+    neighbours: NDArray[np.int32],
+    most_partners: int,
+    progress: Callable[[float], object] | None = None,
+) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]: ...
+def flatness_of_pairs(
+    centres: NDArray[np.float64],
+    pairs: NDArray[np.int32],
+    samples: NDArray[np.float64],
+    pair_samples: NDArray[np.int32],
+) -> NDArray[np.float64]: ...
+def evidence_paths(
+    offsets: NDArray[np.int64],
+    ends: NDArray[np.int32],
+    lengths: NDArray[np.float32],
+    first: NDArray[np.int32],
+    second: NDArray[np.int32],
+    crossings: NDArray[np.float64],
+    seeds: NDArray[np.uint8],
+    progress: Callable[[float], object] | None = None,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def propagate_labels(
+    offsets: NDArray[np.int64],
+    ends: NDArray[np.int32],
+    lengths: NDArray[np.float32],
+    first: NDArray[np.int32],
+    second: NDArray[np.int32],
+    flatness: NDArray[np.float64],
+    seeds: NDArray[np.uint8],
+    offered: float,
+    accepted: float,
+    progress: Callable[[float], object] | None = None,
+) -> NDArray[np.uint8]: ...
+
+class MinimumCut:
+    def __init__(
+        self,
+        offsets: NDArray[np.int64],
+        ends: NDArray[np.int32],
+        capacities: NDArray[np.uint16],
+    ) -> None: ...
+    def inner_side(
+        self, ties: NDArray[np.int32], progress: Callable[[float], object] | None = None
+    ) -> NDArray[np.uint8]: ...
+
 def label_pieces(cells: NDArray[np.int32], labels: NDArray[np.uint8]) -> NDArray[np.int32]: ...
+def turn_small_pieces(
+    cells: NDArray[np.int32],
+    labels: NDArray[np.uint8],
+    fixed: NDArray[np.uint8],
+    samples: NDArray[np.int32],
+    smallest: float,
+) -> NDArray[np.uint8]: ...
 def surface_topology(
     faces: NDArray[np.int32], vertex_count: int
 ) -> tuple[int, int, int, int, int, int, int, NDArray[np.int32]]: ...

@@ -102,18 +102,6 @@ void bind_crust(nb::module_& module) {
       nb::arg("sites"), nb::arg("cells"), nb::arg("samples"),
       "Distance of each sample to the next one, and the mean of its four nearest neighbours.");
   module.def(
-      "label_pieces",
-      [](Rows<std::int32_t> cells, Row<std::uint8_t> labels) {
-        std::vector<std::int32_t> pieces;
-        {
-          nb::gil_scoped_release release;
-          pieces = label_pieces(rows<Quad>(cells), row(labels));
-        }
-        return give(std::move(pieces));
-      },
-      nb::arg("cells"), nb::arg("labels"),
-      "The piece of each site, connected by edges between sites of equal label.");
-  module.def(
       "surface_topology",
       [](Rows<std::int32_t> faces, std::int32_t vertex_count) {
         SurfaceTopology found;

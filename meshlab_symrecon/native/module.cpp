@@ -126,4 +126,5 @@ NB_MODULE(_native, module) {
   module.def("perturbed_power_test", &perturbed_power_test_of, nb::arg("points"), nb::arg("weights"));
   bind_crust(module);
   bind_noise(module);
+  bind_labels(module);
 }

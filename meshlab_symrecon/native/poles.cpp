@@ -3,8 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "disjoint_sets.hpp"
-
 namespace symrecon {
 namespace {
 
@@ -93,16 +91,6 @@ Spacings sample_spacings(const std::vector<Position>& sites, const std::vector<Q
     spacings.mean[sample] = count > 0 ? sum / count : found.square[0];
   }
   return spacings;
-}
-
-std::vector<std::int32_t> label_pieces(const std::vector<Quad>& cells,
-                                       const std::vector<std::uint8_t>& labels) {
-  DisjointSets sets(labels.size());
-  for (const Quad& cell : cells)
-    for (int a = 0; a < 3; ++a)
-      for (int b = a + 1; b < 4; ++b)
-        if (labels[cell[a]] == labels[cell[b]]) sets.join(cell[a], cell[b]);
-  return sets.numbers();
 }
 
 }  // namespace symrecon

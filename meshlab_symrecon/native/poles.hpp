@@ -1,4 +1,4 @@
-// Poles of samples, and pieces of labelled poles.
+// Poles of samples, and how densely the samples lie.
 #pragma once
 
 #include <array>
@@ -28,9 +28,5 @@ struct Spacings {
 // A sample without a neighbour that is a sample gets infinity.
 Spacings sample_spacings(const std::vector<Position>& sites, const std::vector<Quad>& cells,
                          std::int32_t samples);
-
-// The piece of each site, connected by edges of the cells between sites of equal label.
-std::vector<std::int32_t> label_pieces(const std::vector<Quad>& cells,
-                                       const std::vector<std::uint8_t>& labels);
 
 }  // namespace symrecon

@@ -8,16 +8,22 @@ on different sides, the more certainly the flatter the angle between them (Ament
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from meshlab_symrecon.arrays import Floats, Indices
+from meshlab_symrecon import _native
+from meshlab_symrecon.arrays import Booleans, Floats, Indices
 from meshlab_symrecon.geometry.triangulation import Triangulation
 from meshlab_symrecon.powercrust.poles import Poles
+from meshlab_symrecon.powercrust.progress import Progress
 
-__all__ = ["Intersections", "Opposites", "intersections", "opposites"]
+__all__ = ["Intersections", "Opposites", "intersections", "opposites", "shown_poles"]
 
-DEEPEST = 1.0 - 1e-9  # cosine of two equal balls; keeps -log of it above zero
+SmallIndices: TypeAlias = NDArray[np.int32]
+
+FLATTEST = 1.0 - 1e-9  # cosine of poles straight across; keeps -log of it above zero
 MOST_PARTNERS = 24  # balls that meet in a sample, of which about eight are usual
 LONG = 3.0  # spacings: a sample with both poles farther than this lies on the surface for certain
 TYPICAL = 1.5  # times the median length, where noise makes most cells round
@@ -26,18 +32,23 @@ STEEPNESS = 4.0  # power with which certainty falls with nearer poles
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Intersections:
-    """Pairs of poles whose balls intersect at less than a right angle.
+    """Neighbours of each pole: those whose balls intersect its own at less than a right angle.
+
+    The neighbours of pole i are ``ends[offsets[i]:offsets[i + 1]]``, in rising order; every edge is
+    there from both of its ends.
 
     Attributes
     ----------
-    start, end : (e,) int
-    cosine : (e,) float
-        Of the angle at which the balls intersect: 1 for equal balls, 0 for orthogonal ones.
+    offsets : (p + 1,) int
+    ends : (e,) int
+    cost : (e,) float
+        Minus the logarithm of the cosine of the angle at which the balls intersect: 0 for equal
+        balls, infinite for orthogonal ones.
     """
 
-    start: Indices
-    end: Indices
-    cosine: Floats
+    offsets: Indices
+    ends: SmallIndices
+    cost: NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,70 +58,78 @@ class Opposites:
     Attributes
     ----------
     first, second : (k,) int
+    flatness : (k,) float
+        Minus the cosine of the angle between the directions to them: 1 where they lie straight
+        across.
     certainty : (k,) float
-        How sure it is that the surface parts them, 0 to 1.
+        How sure it is that the surface parts them, 0 to 1: the flatness, less where the sample
+        does not look like one on a surface.
     """
 
-    first: Indices
-    second: Indices
+    first: SmallIndices
+    second: SmallIndices
+    flatness: Floats
     certainty: Floats
 
 
-def intersections(poles: Poles, diagram: Triangulation, representative: Indices) -> Intersections:
+def shown_poles(diagram: Triangulation) -> Booleans:
+    """Return (p,) True for the poles that have a cell in the power diagram."""
+    shown: Booleans = ~diagram.hidden & (
+        diagram.representative == np.arange(len(diagram.representative))
+    )
+    return shown
+
+
+def intersections(
+    poles: Poles, diagram: Triangulation, *, progress: Progress | None = None
+) -> Intersections:
     """Return the pairs that share an edge of the triangulation, or a sample on their balls.
 
     About eight balls meet in every sample, and rounding decides which of them the triangulation
     joins there; with all their pairs the evidence does not depend on it.
+
+    Parameters
+    ----------
+    poles : Poles
+    diagram : Triangulation
+        Regular triangulation of the polar balls.
+    progress : callable, optional
+        Called with the share of poles done, 0 to 1; what it raises stops the work.
     """
-    cells = diagram.cells.astype(np.int64)
-    sides = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
-    keys = [_pair_keys(cells[:, a], cells[:, b]) for a, b in sides]
-    keys += _pairs_at_samples(poles, diagram, representative)
-    unique = np.concatenate(keys)
-    unique.sort()
-    unique = unique[np.flatnonzero(np.diff(unique, prepend=-1))]
-    start, end = unique >> 32, unique & 0xFFFFFFFF
-    arms = poles.centres[start] - poles.centres[end]
-    r, s = poles.radii[start], poles.radii[end]
-    cosine = (r * r + s * s - np.einsum("ij,ij->i", arms, arms)) / (2.0 * r * s)
-    deep = cosine > 0.0
-    return Intersections(start[deep], end[deep], np.minimum(cosine[deep], DEEPEST))
-
-
-def opposites(poles: Poles, representative: Indices) -> Opposites:
-    """Return the two poles of each sample, with the certainty that they lie on different sides."""
-    arms = poles.centres[poles.pairs] - poles.sites[poles.pair_samples][:, None, :]
-    lengths = np.linalg.norm(arms, axis=2).prod(axis=1)
-    flatness = -np.einsum("ij,ij->i", arms[:, 0], arms[:, 1]) / np.maximum(
-        lengths, np.finfo(float).tiny
+    offsets, ends, cost = _native.pole_graph(
+        poles.centres,
+        poles.radii,
+        poles.samples.astype(np.int32),
+        shown_poles(diagram).view(np.uint8),
+        poles.sample_count,
+        diagram.cells,
+        diagram.neighbours,
+        MOST_PARTNERS,
+        progress,
     )
-    first, second = representative[poles.pairs].T
+    np.log(cost, out=cost)  # in place: at millions of samples another array would count
+    np.negative(cost, out=cost)
+    return Intersections(offsets, ends, cost)
+
+
+def opposites(poles: Poles, representative: SmallIndices) -> Opposites:
+    """Return the two poles of each sample, with the certainty that they lie on different sides.
+
+    Parameters
+    ----------
+    poles : Poles
+    representative : (p,) int
+        For each pole the one that stands for it; pairs that one pole stands for are left out.
+    """
+    pairs = poles.pairs.astype(np.int32)
+    flatness = _native.flatness_of_pairs(
+        poles.centres, pairs, poles.sites, poles.pair_samples.astype(np.int32)
+    )
+    first, second = representative[pairs].T
     useful = (flatness > 0.0) & (first != second)
-    certainty = np.minimum(flatness, DEEPEST) * _trust(poles)
-    return Opposites(first[useful], second[useful], certainty[useful])
-
-
-def _pair_keys(a: Indices, b: Indices) -> Indices:
-    return (np.minimum(a, b) << 32) | np.maximum(a, b)
-
-
-def _pairs_at_samples(
-    poles: Poles, diagram: Triangulation, representative: Indices
-) -> list[Indices]:
-    """Return keys of the pairs of shown poles whose balls touch one sample."""
-    used = np.flatnonzero((representative == np.arange(len(representative))) & ~diagram.hidden)
-    touched = poles.samples[used].ravel()
-    order = np.argsort(touched, kind="stable")
-    order = order[: np.searchsorted(touched[order], poles.sample_count)]
-    sample: Indices = touched[order]
-    pole: Indices = np.repeat(used, 4)[order]
-    keys = []
-    for step in range(1, MOST_PARTNERS):
-        together = sample[step:] == sample[:-step]
-        if not together.any():
-            break
-        keys.append(_pair_keys(pole[:-step][together], pole[step:][together]))
-    return keys
+    flatness = np.minimum(flatness, FLATTEST)
+    certainty = flatness * _trust(poles)
+    return Opposites(first[useful], second[useful], flatness[useful], certainty[useful])
 
 
 def _trust(poles: Poles) -> Floats:

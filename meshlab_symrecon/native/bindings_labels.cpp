@@ -1,0 +1,160 @@
+// numpy borders of the labelling: the arrays are looked at in place, and results are handed over.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <initializer_list>
+#include <stdexcept>
+#include <utility>
+
+#include "bindings.hpp"
+#include "evidence_paths.hpp"
+#include "minimum_cut.hpp"
+#include "pole_graph.hpp"
+#include "pole_pieces.hpp"
+#include "propagation.hpp"
+
+namespace nb = nanobind;
+
+namespace symrecon {
+namespace {
+
+template <typename T>
+using Row = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+template <typename T, Py_ssize_t Width>
+using Rows = nb::ndarray<const T, nb::shape<-1, Width>, nb::c_contig, nb::device::cpu>;
+using Offsets = Row<std::int64_t>;
+using Numbers = Row<std::int32_t>;
+
+template <typename T>
+View<T> view(const Row<T>& array) {
+  return {array.data(), array.shape(0)};
+}
+
+template <typename T, Py_ssize_t Width>
+View<std::array<T, Width>> view(const Rows<T, Width>& array) {
+  return {reinterpret_cast<const std::array<T, Width>*>(array.data()), array.shape(0)};
+}
+
+// Hand a vector over to numpy without copying it.
+template <typename T, typename Item>
+nb::ndarray<nb::numpy, T> give(std::vector<Item>&& values, std::initializer_list<std::size_t> shape) {
+  auto* owner = new std::vector<Item>(std::move(values));
+  nb::capsule release(owner, [](void* p) noexcept { delete static_cast<std::vector<Item>*>(p); });
+  return nb::ndarray<nb::numpy, T>(owner->data(), shape, release);
+}
+
+template <typename T>
+nb::ndarray<nb::numpy, T> give(std::vector<T>&& values) {
+  const std::size_t size = values.size();
+  return give<T, T>(std::move(values), {size});
+}
+
+// Lets Ctrl-C through, and tells a Python callable, if there is one, the share done.
+Progress reporter(const nb::object& progress) {
+  return [&progress](double fraction) {
+    nb::gil_scoped_acquire hold;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    if (!progress.is_none()) progress(fraction);
+  };
+}
+
+template <typename Work>
+auto without_gil(Work&& work) {
+  nb::gil_scoped_release release;
+  return work();
+}
+
+nb::tuple graph_of(Rows<double, 3> centres, Row<double> radii, Rows<std::int32_t, 4> samples,
+                   Row<std::uint8_t> used, std::int32_t sample_count, Rows<std::int32_t, 4> cells,
+                   Rows<std::int32_t, 4> neighbours, std::int32_t most_partners, const nb::object& progress) {
+  const PolarBalls balls{view(centres), view(radii), view(samples), view(used), sample_count};
+  const Progress report = reporter(progress);
+  PoleGraph graph = without_gil([&] { return pole_graph(balls, view(cells), view(neighbours), most_partners, report); });
+  return nb::make_tuple(give(std::move(graph.offsets)), give(std::move(graph.ends)),
+                        give(std::move(graph.cosines)));
+}
+
+nb::tuple paths_of(Offsets offsets, Numbers ends, Row<float> lengths, Numbers first, Numbers second,
+                   Row<double> crossings, Row<std::uint8_t> seeds, const nb::object& progress) {
+  const Network same_side{view(offsets), view(ends), view(lengths)};
+  const Progress report = reporter(progress);
+  PathCosts costs = without_gil([&] {
+    const OppositePoles other_side(seeds.shape(0), view(first), view(second), view(crossings));
+    return evidence_paths(same_side, other_side, view(seeds), report);
+  });
+  return nb::make_tuple(give(std::move(costs[0])), give(std::move(costs[1])));
+}
+
+nb::ndarray<nb::numpy, std::uint8_t> labels_of(Offsets offsets, Numbers ends, Row<float> lengths, Numbers first,
+                                               Numbers second, Row<double> flatness, Row<std::uint8_t> seeds,
+                                               double offered, double accepted, const nb::object& progress) {
+  const Network intersections{view(offsets), view(ends), view(lengths)};
+  const Progress report = reporter(progress);
+  return give(without_gil([&] {
+    const OppositePoles opposites(seeds.shape(0), view(first), view(second), view(flatness));
+    return propagate_labels({intersections, opposites}, view(seeds), {offered, accepted}, report);
+  }));
+}
+
+// A minimum cut that keeps the arrays it looks at alive.
+class BoundCut {
+ public:
+  BoundCut(Offsets offsets, Numbers ends, Row<std::uint16_t> capacities)
+      : offsets_(offsets), ends_(ends), capacities_(capacities), cut_(view(offsets), view(ends), view(capacities)) {}
+
+  nb::ndarray<nb::numpy, std::uint8_t> inner_side(Numbers ties, const nb::object& progress) {
+    const Progress report = reporter(progress);
+    return give(without_gil([&] { return cut_.inner_side(view(ties), report); }));
+  }
+
+ private:
+  Offsets offsets_;
+  Numbers ends_;
+  Row<std::uint16_t> capacities_;
+  MinimumCut cut_;
+};
+
+}  // namespace
+
+void bind_labels(nb::module_& module) {
+  module.def("pole_graph", &graph_of, nb::arg("centres"), nb::arg("radii"), nb::arg("samples"), nb::arg("used"),
+             nb::arg("sample_count"), nb::arg("cells"), nb::arg("neighbours"), nb::arg("most_partners"), nb::arg("progress") = nb::none(),
+             "Balls that intersect at less than a right angle: offsets, ends, cosines.");
+  module.def(
+      "flatness_of_pairs",
+      [](Rows<double, 3> centres, Rows<std::int32_t, 2> pairs, Rows<double, 3> samples, Numbers pair_samples) {
+        return give(without_gil(
+            [&] { return flatness_of_pairs(view(centres), view(pairs), view(samples), view(pair_samples)); }));
+      },
+      nb::arg("centres"), nb::arg("pairs"), nb::arg("samples"), nb::arg("pair_samples"),
+      "Minus the cosine of the angle between the two poles of each sample.");
+  module.def("evidence_paths", &paths_of, nb::arg("offsets"), nb::arg("ends"), nb::arg("lengths"), nb::arg("first"),
+             nb::arg("second"), nb::arg("crossings"), nb::arg("seeds"), nb::arg("progress") = nb::none(),
+             "Length of the shortest path from a seed to the outer and to the inner copy of each pole.");
+  module.def("propagate_labels", &labels_of, nb::arg("offsets"), nb::arg("ends"), nb::arg("lengths"), nb::arg("first"),
+             nb::arg("second"), nb::arg("flatness"), nb::arg("seeds"), nb::arg("offered"), nb::arg("accepted"),
+             nb::arg("progress") = nb::none(),
+             "The label of each pole by greedy propagation: 0 none, 1 outside, 2 inside.");
+  nb::class_<BoundCut>(module, "MinimumCut")
+      .def(nb::init<Offsets, Numbers, Row<std::uint16_t>>(), nb::arg("offsets"), nb::arg("ends"),
+           nb::arg("capacities"))
+      .def("inner_side", &BoundCut::inner_side, nb::arg("ties"), nb::arg("progress") = nb::none(),
+           "The nodes on the inner side of the minimum cut that leaves the most there.");
+  module.def(
+      "label_pieces",
+      [](Rows<std::int32_t, 4> cells, Row<std::uint8_t> labels) {
+        return give(without_gil([&] { return label_pieces(view(cells), view(labels)); }));
+      },
+      nb::arg("cells"), nb::arg("labels"), "The piece of each site, connected by edges between sites of equal label.");
+  module.def(
+      "turn_small_pieces",
+      [](Rows<std::int32_t, 4> cells, Row<std::uint8_t> labels, Row<std::uint8_t> fixed, Numbers samples,
+         double smallest) {
+        return give(without_gil(
+            [&] { return turn_small_pieces(view(cells), view(labels), view(fixed), view(samples), smallest); }));
+      },
+      nb::arg("cells"), nb::arg("labels"), nb::arg("fixed"), nb::arg("samples"), nb::arg("smallest"),
+      "The labels with islands and bubbles of fewer samples turned over.");
+}
+
+}  // namespace symrecon
