@@ -19,15 +19,42 @@ def power_test(
 ) -> int: ...
 def perturbed_power_test(points: NDArray[np.float64], weights: NDArray[np.float64]) -> int: ...
 def mixed_edge_polygons(
-    cells: NDArray[np.int32], neighbours: NDArray[np.int32], inside: NDArray[np.uint8]
-) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]: ...
+    cells: NDArray[np.int32],
+    neighbours: NDArray[np.int32],
+    inside: NDArray[np.uint8],
+    progress: Callable[[float], object] | None = None,
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]: ...
+def power_vertices(
+    centres: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    samples: NDArray[np.int32],
+    sites: NDArray[np.float64],
+    sample_count: int,
+    cells: NDArray[np.int32],
+    chosen: NDArray[np.int32],
+    reach: float,
+    progress: Callable[[float], object] | None = None,
+) -> tuple[NDArray[np.float64], NDArray[np.int32], int]: ...
+def join_at_samples(
+    positions: NDArray[np.float64],
+    nearest: NDArray[np.int32],
+    offsets: NDArray[np.int32],
+    corners: NDArray[np.int32],
+    samples: NDArray[np.float64],
+    spacing: NDArray[np.float64],
+    weld: float,
+    progress: Callable[[float], object] | None = None,
+) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
 def contract_edges(
     points: NDArray[np.float64],
     faces: NDArray[np.int32],
-    anchor: NDArray[np.int32],
-    anchor_points: NDArray[np.float64],
-    shortest: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
+    nearest: NDArray[np.int32],
+    samples: NDArray[np.float64],
+    spacing: NDArray[np.float64],
+    weld: float,
+    flat: float,
+    progress: Callable[[float], object] | None = None,
+) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
 def pole_cells(
     sites: NDArray[np.float64],
     centres: NDArray[np.float64],

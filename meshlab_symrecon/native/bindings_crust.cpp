@@ -46,37 +46,101 @@ nb::ndarray<nb::numpy, T> give_rows(std::vector<Item>&& values) {
   return nb::ndarray<nb::numpy, T>(owner->data(), {owner->size(), sizeof(Item) / sizeof(T)}, release);
 }
 
+template <typename Item, typename T>
+View<Item> view_rows(const Rows<T>& array) {
+  if (array.shape(1) * sizeof(T) != sizeof(Item)) throw std::invalid_argument("wrong row width");
+  return {reinterpret_cast<const Item*>(array.data()), array.shape(0)};
+}
+
+template <typename T>
+View<T> view_row(const Row<T>& array) {
+  return {array.data(), array.shape(0)};
+}
+
+nb::tuple give_surface(SampledSurface&& surface) {
+  return nb::make_tuple(give_rows<double>(std::move(surface.points)),
+                        give_rows<std::int32_t>(std::move(surface.faces)), give(std::move(surface.nearest)));
+}
+
+// Lets signals through, Ctrl-C among them, and tells the callback.
+Progress reporter(const nb::object& progress) {
+  return [&progress](double fraction) {
+    nb::gil_scoped_acquire hold;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    if (!progress.is_none()) progress(fraction);
+  };
+}
+
 }  // namespace
 
 void bind_crust(nb::module_& module) {
   module.def(
       "mixed_edge_polygons",
-      [](Rows<std::int32_t> cells, Rows<std::int32_t> neighbours, Row<std::uint8_t> inside) {
+      [](Rows<std::int32_t> cells, Rows<std::int32_t> neighbours, Row<std::uint8_t> inside,
+         const nb::object& progress) {
+        const Progress report = reporter(progress);
         Polygons polygons;
         {
           nb::gil_scoped_release release;
-          polygons = mixed_edge_polygons(rows<Quad>(cells), rows<Quad>(neighbours), row(inside));
+          polygons = mixed_edge_polygons(view_rows<Quad>(cells), view_rows<Quad>(neighbours), view_row(inside), report);
         }
-        return nb::make_tuple(give(std::move(polygons.offsets)), give(std::move(polygons.corners)),
-                              give(std::move(polygons.inner)), give(std::move(polygons.outer)));
+        return nb::make_tuple(give(std::move(polygons.cells)), give(std::move(polygons.offsets)),
+                              give(std::move(polygons.corners)));
       },
-      nb::arg("cells"), nb::arg("neighbours"), nb::arg("inside"),
-      "Polygons dual to the edges between inside and outside sites: offsets, corners, inner, outer.");
+      nb::arg("cells"), nb::arg("neighbours"), nb::arg("inside"), nb::arg("progress") = nb::none(),
+      "Polygons dual to the edges between inside and outside sites: cells, offsets, corners.");
   module.def(
-      "contract_edges",
-      [](Rows<double> points, Rows<std::int32_t> faces, Row<std::int32_t> anchor,
-         Rows<double> anchor_points, Row<double> shortest) {
-        Contraction result;
+      "power_vertices",
+      [](Rows<double> centres, Row<double> radii, Rows<std::int32_t> samples, Rows<double> sites,
+         std::int32_t sample_count, Rows<std::int32_t> cells, Row<std::int32_t> chosen, double reach,
+         const nb::object& progress) {
+        const Progress report = reporter(progress);
+        const PolarBalls balls{view_rows<Position>(centres), view_row(radii), view_rows<Quad>(samples),
+                               view_rows<Position>(sites), sample_count};
+        PowerVertices vertices;
         {
           nb::gil_scoped_release release;
-          result = contract_edges(rows<Position>(points), rows<Triangle>(faces), row(anchor),
-                                  rows<Position>(anchor_points), row(shortest));
+          vertices = power_vertices(balls, view_rows<Quad>(cells), view_row(chosen), reach, report);
         }
-        return nb::make_tuple(give_rows<double>(std::move(result.points)),
-                              give_rows<std::int32_t>(std::move(result.faces)));
+        return nb::make_tuple(give_rows<double>(std::move(vertices.positions)),
+                              give(std::move(vertices.nearest)), vertices.replaced);
       },
-      nb::arg("points"), nb::arg("faces"), nb::arg("anchor"), nb::arg("anchor_points"),
-      nb::arg("shortest"), "Contract edges of a closed manifold where the link condition holds.");
+      nb::arg("centres"), nb::arg("radii"), nb::arg("samples"), nb::arg("sites"), nb::arg("sample_count"),
+      nb::arg("cells"), nb::arg("chosen"), nb::arg("reach"), nb::arg("progress") = nb::none(),
+      "Positions, nearest samples of the power vertices of chosen cells; how many were replaced.");
+  module.def(
+      "join_at_samples",
+      [](Rows<double> positions, Row<std::int32_t> nearest, Row<std::int32_t> offsets,
+         Row<std::int32_t> corners, Rows<double> samples, Row<double> spacing, double weld,
+         const nb::object& progress) {
+        const Progress report = reporter(progress);
+        SampledSurface surface;
+        {
+          nb::gil_scoped_release release;
+          surface = join_at_samples(view_rows<Position>(positions), view_row(nearest), view_row(offsets), view_row(corners),
+                                    {view_rows<Position>(samples), view_row(spacing)}, weld, report);
+        }
+        return give_surface(std::move(surface));
+      },
+      nb::arg("positions"), nb::arg("nearest"), nb::arg("offsets"), nb::arg("corners"),
+      nb::arg("samples"), nb::arg("spacing"), nb::arg("weld"), nb::arg("progress") = nb::none(),
+      "Triangulate polygons and join what lies at a sample: points, faces, nearest samples.");
+  module.def(
+      "contract_edges",
+      [](Rows<double> points, Rows<std::int32_t> faces, Row<std::int32_t> nearest, Rows<double> samples,
+         Row<double> spacing, double weld, double flat, const nb::object& progress) {
+        const Progress report = reporter(progress);
+        SampledSurface surface;
+        {
+          nb::gil_scoped_release release;
+          surface = contract_edges(view_rows<Position>(points), view_rows<Triangle>(faces), view_row(nearest),
+                                   {view_rows<Position>(samples), view_row(spacing)}, {weld, flat}, report);
+        }
+        return give_surface(std::move(surface));
+      },
+      nb::arg("points"), nb::arg("faces"), nb::arg("nearest"), nb::arg("samples"), nb::arg("spacing"),
+      nb::arg("weld"), nb::arg("flat"), nb::arg("progress") = nb::none(),
+      "Contract edges of a closed manifold where the link condition holds: points, faces, nearest.");
   module.def(
       "pole_cells",
       [](Rows<double> sites, Rows<double> centres, Rows<std::int32_t> cells, std::int32_t samples) {

@@ -1,278 +1,231 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
+#include <limits>
 
 #include "crust.hpp"
+#include "half_edges.hpp"
+#include "vectors.hpp"
 
 namespace symrecon {
 namespace {
 
-Position minus(const Position& a, const Position& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+constexpr std::int32_t kVerticesPerReport = 1 << 14;
+constexpr double kSteepest = 0.2;    // cosine: a face may turn by 78 degrees at the most
+constexpr double kReach = 2.0;       // spacings: longer edges are not contracted
+constexpr int kTries = 4;            // edges tried at a vertex, the shortest first
+constexpr double kStepAside = 0.01;  // of the way to the mean of the neighbours
+constexpr double kTurned = std::numeric_limits<double>::infinity();
 
-Position cross(const Position& a, const Position& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double dot(const Position& a, const Position& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-// Faces round each vertex as linked lists of corners: corner 3 f + k is vertex k of face f.
-// Joining two vertices joins their lists in constant time; dead faces are passed over.
-class Surface {
+class Contraction {
  public:
-  Surface(std::vector<Position> points, std::vector<Triangle> faces)
-      : points_(std::move(points)),
-        faces_(std::move(faces)),
-        alive_(faces_.size(), 1),
-        next_(3 * faces_.size(), -1),
-        head_(points_.size(), -1),
-        tail_(points_.size(), -1),
-        parent_(points_.size()) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-    for (std::int32_t corner = 0; corner < static_cast<std::int32_t>(next_.size()); ++corner) {
-      const std::int32_t vertex = faces_[corner / 3][corner % 3];
-      (head_[vertex] < 0 ? head_[vertex] : next_[tail_[vertex]]) = corner;
-      tail_[vertex] = corner;
-    }
-  }
+  Contraction(View<Position> points, View<Triangle> faces, View<std::int32_t> nearest, const Samples& samples,
+              const Leanness& leanness)
+      : points_(points.begin(), points.end()),
+        nearest_(nearest),
+        samples_(samples),
+        leanness_(leanness),
+        halves_(faces, points.size()),
+        stamps_(points.size(), 0),
+        moved_(points.size(), 0.0f) {}
 
-  std::int32_t find(std::int32_t vertex) {
-    while (parent_[vertex] != vertex) vertex = parent_[vertex] = parent_[parent_[vertex]];
-    return vertex;
-  }
-
-  const Position& point(std::int32_t vertex) const { return points_[vertex]; }
-  double length(std::int32_t start, std::int32_t end) const {
-    const Position side = minus(points_[start], points_[end]);
-    return std::sqrt(dot(side, side));
-  }
-  const std::vector<Triangle>& faces() const { return faces_; }
-  bool alive(std::size_t face) const { return alive_[face]; }
-
-  bool coincide(std::int32_t a, std::int32_t b) const { return points_[a] == points_[b]; }
-
-  // Move a vertex part of the way to the mean of its neighbours.
-  void relax(std::int32_t vertex, double step) {
-    gather(vertex, faces_gone_, ring_gone_);
-    for (int axis = 0; axis < 3; ++axis) {
-      double sum = 0.0;
-      for (const std::int32_t other : ring_gone_) sum += points_[other][axis];
-      points_[vertex][axis] += step * (sum / static_cast<double>(ring_gone_.size()) - points_[vertex][axis]);
-    }
-  }
-
-  // Contract the edge (gone, kept) to `place`; false when that would pinch or turn the surface.
-  bool contract(std::int32_t gone, std::int32_t kept, const Position& place, bool keep_facing) {
-    gather(gone, faces_gone_, ring_gone_);
-    gather(kept, faces_kept_, ring_kept_);
-    if (!link_condition(gone, kept)) return false;
-    if (keep_facing && (turns(faces_gone_, gone, kept, place) || turns(faces_kept_, kept, gone, place)))
-      return false;
-    for (const std::int32_t face : faces_gone_) {
-      Triangle& corners = faces_[face];
-      if (has(corners, kept)) {
-        alive_[face] = 0;
-      } else {
-        std::replace(corners.begin(), corners.end(), gone, kept);
-      }
-    }
-    next_[tail_[kept]] = head_[gone];
-    tail_[kept] = tail_[gone];
-    head_[gone] = -1;
-    parent_[gone] = kept;
-    points_[kept] = place;
-    prune(kept);
-    return true;
-  }
+  void join_coincident();
+  void thin_out(const Progress& progress);
+  void part_coincident();
+  SampledSurface surface() const;
 
  private:
-  static bool has(const Triangle& corners, std::int32_t vertex) {
-    return corners[0] == vertex || corners[1] == vertex || corners[2] == vertex;
+  struct Spoke {
+    double squared;  // length
+    Position tip;
+    std::int32_t half, vertex;
+  };
+
+  std::int32_t count() const { return static_cast<std::int32_t>(points_.size()); }
+  bool is_at_sample(std::int32_t vertex) const {
+    return points_[vertex] == samples_.positions[nearest_[vertex]];
   }
 
-  // The living faces at a vertex, and its neighbours in rising order.
-  void gather(std::int32_t vertex, std::vector<std::int32_t>& faces, std::vector<std::int32_t>& ring) {
-    faces.clear();
-    ring.clear();
-    for (std::int32_t corner = head_[vertex]; corner >= 0; corner = next_[corner]) {
-      const std::int32_t face = corner / 3;
-      if (!alive_[face]) continue;
-      faces.push_back(face);
-      for (const std::int32_t other : faces_[face])
-        if (other != vertex) ring.push_back(other);
-    }
-    std::sort(ring.begin(), ring.end());
-    ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
-  }
-
-  // Two ends may share exactly the two vertices opposite their edge; a tetrahedron stays as it is.
-  bool link_condition(std::int32_t gone, std::int32_t kept) const {
-    if (!std::binary_search(ring_gone_.begin(), ring_gone_.end(), kept)) return false;
-    if (ring_gone_.size() == 3 && ring_kept_.size() == 3) return false;
-    std::size_t shared = 0;
-    for (const std::int32_t vertex : ring_gone_)
-      shared += std::binary_search(ring_kept_.begin(), ring_kept_.end(), vertex);
-    (void)gone;
-    return shared == 2;
-  }
-
-  // Whether a face at `moved` that survives would face away from where it faced.
-  bool turns(const std::vector<std::int32_t>& faces, std::int32_t moved, std::int32_t other,
-             const Position& place) const {
-    for (const std::int32_t face : faces) {
-      const Triangle& corners = faces_[face];
-      if (has(corners, other)) continue;
-      Position now[3], then[3];
-      for (int k = 0; k < 3; ++k) {
-        now[k] = points_[corners[k]];
-        then[k] = corners[k] == moved ? place : now[k];
-      }
-      const Position before = cross(minus(now[1], now[0]), minus(now[2], now[0]));
-      const Position after = cross(minus(then[1], then[0]), minus(then[2], then[0]));
-      constexpr double kSteepest = 0.2;  // cosine: a face may turn by 78 degrees at the most
-      if (dot(before, after) < kSteepest * std::sqrt(dot(before, before) * dot(after, after)) ||
-          dot(after, after) == 0.0)
-        return true;
-    }
-    return false;
-  }
-
-  // Drop dead corners from a list, so that lists stay short.
-  void prune(std::int32_t vertex) {
-    std::int32_t* link = &head_[vertex];
-    std::int32_t last = -1;
-    for (std::int32_t corner = *link; corner >= 0; corner = next_[corner]) {
-      if (!alive_[corner / 3]) continue;
-      *link = corner;
-      link = &next_[corner];
-      last = corner;
-    }
-    *link = -1;
-    tail_[vertex] = last;
-  }
+  void walk(std::int32_t hub);
+  bool link_condition(std::int32_t kept) const;
+  double shift(std::int32_t hub, const Spoke& kept) const;
+  bool remove(std::int32_t hub);
+  bool join_at(std::int32_t hub);
 
   std::vector<Position> points_;
-  std::vector<Triangle> faces_;
-  std::vector<std::uint8_t> alive_;
-  std::vector<std::int32_t> next_, head_, tail_, parent_;
-  std::vector<std::int32_t> faces_gone_, faces_kept_, ring_gone_, ring_kept_;
+  View<std::int32_t> nearest_;
+  Samples samples_;
+  Leanness leanness_;
+  HalfEdges halves_;
+  std::vector<std::int32_t> stamps_;  // the last walk that met a vertex
+  std::vector<float> moved_;          // how far the surface has moved at a vertex
+  std::int32_t walks_ = 0;
+  std::vector<Spoke> spokes_;  // of the last walk
 };
 
-struct Edge {
-  double length;
-  std::int32_t start, end;
-};
-
-bool before(const Edge& a, const Edge& b) {
-  if (a.length != b.length) return a.length < b.length;
-  return a.start != b.start ? a.start < b.start : a.end < b.end;
+// List the edges at a vertex in turn.
+void Contraction::walk(std::int32_t hub) {
+  spokes_.clear();
+  ++walks_;
+  const std::int32_t first = halves_.leaving(hub);
+  std::int32_t half = first;
+  do {
+    const std::int32_t vertex = halves_.end(half);
+    const Position side = minus(points_[vertex], points_[hub]);
+    spokes_.push_back({dot(side, side), points_[vertex], half, vertex});
+    stamps_[vertex] = walks_;
+    half = halves_.next_round(half);
+  } while (half != first);
 }
 
-// The living edges that `wanted(start, end)` picks, each once.
-template <class Wanted>
-std::vector<Edge> living_edges(const Surface& surface, Wanted&& wanted) {
-  std::vector<Edge> edges;
-  for (std::size_t face = 0; face < surface.faces().size(); ++face) {
-    if (!surface.alive(face)) continue;
-    const Triangle& corners = surface.faces()[face];
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t start = corners[k], end = corners[(k + 1) % 3];
-      // the face on the other side has the edge the other way round
-      if (start < end && wanted(start, end)) edges.push_back({surface.length(start, end), start, end});
+// A vertex (walked last) and a neighbour may share exactly the two vertices opposite their edge; a
+// tetrahedron stays as it is.
+bool Contraction::link_condition(std::int32_t kept) const {
+  int shared = 0, degree = 0;
+  const std::int32_t first = halves_.leaving(kept);
+  std::int32_t half = first;
+  do {
+    shared += stamps_[halves_.end(half)] == walks_;
+    ++degree;
+    half = halves_.next_round(half);
+  } while (half != first && shared <= 2);
+  return shared == 2 && (degree > 3 || spokes_.size() > 3);
+}
+
+// How far a vertex (walked last) lies off the planes of its faces once it has gone to a neighbour;
+// infinite when a face would turn over.
+double Contraction::shift(std::int32_t hub, const Spoke& kept) const {
+  if (kept.squared == 0.0) return 0.0;
+  const Position& start = points_[hub];
+  const Position way = minus(start, kept.tip);
+  double most = 0.0;
+  for (std::size_t i = 0; i < spokes_.size(); ++i) {
+    const Spoke& a = spokes_[i];
+    const Spoke& b = spokes_[i + 1 < spokes_.size() ? i + 1 : 0];
+    if (a.vertex == kept.vertex || b.vertex == kept.vertex) continue;
+    const Position side = minus(b.tip, a.tip);
+    const Position before = cross(minus(a.tip, start), side), after = cross(minus(a.tip, kept.tip), side);
+    const double size = dot(after, after), along = dot(before, after);
+    if (!(size > 0.0) || along < 0.0 || along * along < kSteepest * kSteepest * dot(before, before) * size)
+      return kTurned;
+    const double height = dot(after, way);
+    if (height * height > most * size) most = height * height / size;
+  }
+  return std::sqrt(most);
+}
+
+// Contract one edge at a vertex to its other end, if that is short or leaves the surface in place.
+bool Contraction::remove(std::int32_t hub) {
+  walk(hub);
+  const double spacing = samples_.spacing[nearest_[hub]];
+  const double reach = kReach * spacing, weld = leanness_.weld * spacing;
+  const double allowed = leanness_.flat * spacing - static_cast<double>(moved_[hub]);
+  double tried = -1.0;  // length of the edge tried last
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    const Spoke* kept = nullptr;
+    for (const Spoke& spoke : spokes_)
+      if (spoke.squared > tried && (kept == nullptr || spoke.squared < kept->squared)) kept = &spoke;
+    if (kept == nullptr || !(kept->squared < reach * reach)) return false;
+    tried = kept->squared;
+    const double height = shift(hub, *kept);
+    const bool is_short = tried < weld * weld && height != kTurned;
+    if ((!is_short && !(height <= allowed)) || !link_condition(kept->vertex)) continue;
+    moved_[kept->vertex] = std::max(moved_[kept->vertex], moved_[hub] + static_cast<float>(height));
+    halves_.contract(kept->half);
+    return true;
+  }
+  return false;
+}
+
+void Contraction::thin_out(const Progress& progress) {
+  for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
+    if (vertex % kVerticesPerReport == 0 && progress) progress(double(vertex) / double(count()));
+    if (halves_.exists(vertex) && !is_at_sample(vertex)) remove(vertex);
+  }
+}
+
+bool Contraction::join_at(std::int32_t hub) {
+  walk(hub);
+  for (const Spoke& spoke : spokes_)
+    if (spoke.squared == 0.0 && link_condition(spoke.vertex)) {
+      halves_.contract(spoke.half);
+      return true;
+    }
+  return false;
+}
+
+// Vertices at one sample that do not form a disc: edge by edge, again and again, since an edge that is
+// refused may be free once its neighbours are gone.
+void Contraction::join_coincident() {
+  std::vector<std::int32_t> doubled, first(samples_.spacing.size(), -1);
+  for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
+    if (!is_at_sample(vertex)) continue;
+    std::int32_t& keeper = first[nearest_[vertex]];
+    if (keeper < 0) keeper = vertex;
+    else doubled.push_back(vertex);
+  }
+  std::size_t before;
+  do {
+    before = doubled.size();
+    doubled.erase(std::remove_if(doubled.begin(), doubled.end(), [&](std::int32_t vertex) { return join_at(vertex); }),
+                  doubled.end());
+  } while (doubled.size() < before);
+}
+
+// Vertices that could not be joined at their sample: all but the first move a little towards their
+// neighbours, so that no reader joins them and pinches the surface.
+void Contraction::part_coincident() {
+  std::vector<std::int32_t> first(samples_.spacing.size(), -1);
+  for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
+    if (!halves_.exists(vertex) || !is_at_sample(vertex)) continue;
+    std::int32_t& keeper = first[nearest_[vertex]];
+    if (keeper < 0) {
+      keeper = vertex;
+      continue;
+    }
+    walk(vertex);
+    for (int axis = 0; axis < 3; ++axis) {
+      double sum = 0.0;
+      for (const Spoke& spoke : spokes_) sum += spoke.tip[axis];
+      points_[vertex][axis] += kStepAside * (sum / static_cast<double>(spokes_.size()) - points_[vertex][axis]);
     }
   }
-  return edges;
 }
 
-void contract_to_anchors(Surface& surface, const std::vector<std::int32_t>& anchor,
-                         const std::vector<Position>& anchor_points) {
-  std::vector<Edge> edges = living_edges(surface, [&](std::int32_t start, std::int32_t end) {
-    return anchor[start] >= 0 && anchor[start] == anchor[end];
-  });
-  // An edge that is refused may be free once its neighbours are gone.
-  for (std::size_t before = edges.size() + 1; edges.size() < before;) {
-    before = edges.size();
-    edges.erase(std::remove_if(edges.begin(), edges.end(),
-                               [&](const Edge& edge) {
-                                 const std::int32_t start = surface.find(edge.start);
-                                 const std::int32_t end = surface.find(edge.end);
-                                 return start == end ||
-                                        surface.contract(end, start, anchor_points[anchor[start]], false);
-                               }),
-                edges.end());
-  }
-}
-
-std::int64_t contract_short(Surface& surface, const std::vector<std::int32_t>& anchor,
-                            const std::vector<double>& shortest) {
-  constexpr int kRounds = 4;  // later rounds meet edges that earlier ones made short
-  std::int64_t refused = 0;
-  for (int round = 0; round < kRounds; ++round) {
-    std::vector<Edge> edges = living_edges(surface, [&](std::int32_t start, std::int32_t end) {
-      return surface.length(start, end) < std::min(shortest[start], shortest[end]);
-    });
-    std::sort(edges.begin(), edges.end(), before);
-    std::int64_t contracted = 0;
-    refused = 0;
-    for (const Edge& edge : edges) {
-      std::int32_t start = surface.find(edge.start), end = surface.find(edge.end);
-      if (start == end) continue;
-      if (anchor[end] >= 0 && anchor[start] < 0) std::swap(start, end);  // samples stay in place
-      Position place = surface.point(start);
-      if (anchor[start] < 0)
-        for (int axis = 0; axis < 3; ++axis)
-          place[axis] = 0.5 * (surface.point(start)[axis] + surface.point(end)[axis]);
-      const bool both = anchor[start] >= 0 && anchor[end] >= 0;
-      (!both && surface.contract(end, start, place, true) ? contracted : refused) += 1;
-    }
-    if (contracted == 0) break;
-  }
-  return refused;
-}
-
-// Vertices of one anchor that could not be joined lie at one point; move all but the first a little
-// towards their neighbours, so that no reader joins them and pinches the surface.
-void part_coincident(Surface& surface, const std::vector<std::int32_t>& anchor, std::size_t anchors) {
-  constexpr double kStep = 0.01;  // of the way to the neighbours' mean
-  std::vector<std::int32_t> first(anchors, -1);
-  for (std::size_t face = 0; face < surface.faces().size(); ++face) {
-    if (!surface.alive(face)) continue;
-    for (const std::int32_t vertex : surface.faces()[face]) {
-      if (anchor[vertex] < 0) continue;
-      std::int32_t& keeper = first[anchor[vertex]];
-      if (keeper < 0) keeper = vertex;
-      if (keeper != vertex && surface.coincide(keeper, vertex)) surface.relax(vertex, kStep);
-    }
-  }
-}
-
-}  // namespace
-
-Contraction contract_edges(std::vector<Position> points, std::vector<Triangle> faces,
-                           const std::vector<std::int32_t>& anchor,
-                           const std::vector<Position>& anchor_points,
-                           const std::vector<double>& shortest) {
-  const std::size_t count = points.size();
-  Surface surface(std::move(points), std::move(faces));
-  contract_to_anchors(surface, anchor, anchor_points);
-  Contraction result;
-  result.refused = contract_short(surface, anchor, shortest);
-  part_coincident(surface, anchor, anchor_points.size());
-  std::vector<std::int32_t> number(count, -1);
-  for (std::size_t face = 0; face < surface.faces().size(); ++face) {
-    if (!surface.alive(face)) continue;
-    Triangle corners = surface.faces()[face];
+SampledSurface Contraction::surface() const {
+  SampledSurface result;
+  std::size_t vertices = 0, faces = 0;
+  for (std::int32_t vertex = 0; vertex < count(); ++vertex) vertices += halves_.exists(vertex);
+  for (std::int32_t face = 0; face < halves_.size() / 4; ++face) faces += halves_.is_face(face);
+  result.points.reserve(vertices);
+  result.nearest.reserve(vertices);
+  result.faces.reserve(faces);
+  std::vector<std::int32_t> number(points_.size(), -1);
+  for (std::int32_t face = 0; face < halves_.size() / 4; ++face) {
+    if (!halves_.is_face(face)) continue;
+    Triangle corners = halves_.face(face);
     for (std::int32_t& corner : corners) {
       if (number[corner] < 0) {
         number[corner] = static_cast<std::int32_t>(result.points.size());
-        result.points.push_back(surface.point(corner));
-        result.origin.push_back(corner);
+        result.points.push_back(points_[corner]);
+        result.nearest.push_back(nearest_[corner]);
       }
       corner = number[corner];
     }
     result.faces.push_back(corners);
   }
   return result;
+}
+
+}  // namespace
+
+SampledSurface contract_edges(View<Position> points, View<Triangle> faces, View<std::int32_t> nearest,
+                              const Samples& samples, const Leanness& leanness, const Progress& progress) {
+  Contraction contraction(points, faces, nearest, samples, leanness);
+  contraction.join_coincident();
+  contraction.thin_out(progress);
+  contraction.part_coincident();
+  return contraction.surface();
 }
 
 }  // namespace symrecon

@@ -1,14 +1,10 @@
 """Each step of the recipe on its own."""
 
-import itertools
-
 import numpy as np
 import pytest
 import shapes
 from scipy.spatial import cKDTree
 
-from meshlab_symrecon import _native
-from meshlab_symrecon.geometry.surfaces import topology
 from meshlab_symrecon.geometry.triangulation import circumcentres, delaunay, regular_triangulation
 from meshlab_symrecon.powercrust.attributes import carry_over
 from meshlab_symrecon.powercrust.labelling import label_poles
@@ -56,61 +52,6 @@ def test_labels_are_the_side_of_the_torus():
     certain = poles.radii > 0.1
     assert np.array_equal(labels.inside[certain], truly_inside[certain])
     assert labels.unreached == 0
-
-
-def test_any_labels_give_a_closed_manifold():
-    """The crust is closed by construction, so even random labels must not open it."""
-    _, poles = torus_poles(400)
-    diagram = regular_triangulation(poles.centres, poles.radii**2)
-    hull = np.zeros(len(poles.centres), dtype=bool)
-    cell, corner = np.nonzero(diagram.neighbours < 0)
-    for step in (1, 2, 3):
-        hull[diagram.cells[cell, (corner + step) % 4]] = True
-    rng = np.random.default_rng(0)
-    for _ in range(5):
-        inside = (rng.random(len(hull)) < 0.5) & ~hull
-        offsets, corners, inner, outer = _native.mixed_edge_polygons(
-            diagram.cells, diagram.neighbours, inside.astype(np.uint8)
-        )
-        assert inside[inner].all()
-        assert not inside[outer].any()
-        faces = np.array(
-            [
-                (corners[start], corners[k], corners[k + 1])
-                for start, end in itertools.pairwise(offsets)
-                for k in range(start + 1, end - 1)
-            ]
-        ).astype(np.int64)
-        shape = topology(faces)
-        assert shape.closed
-        assert shape.edge_manifold
-        assert shape.vertex_manifold
-        assert shape.oriented
-
-
-def test_an_inner_pole_on_the_hull_is_refused():
-    points = np.random.default_rng(1).random((20, 3))
-    cells = delaunay(points)
-    with pytest.raises(ValueError, match="hull"):
-        _native.mixed_edge_polygons(
-            cells.cells, cells.neighbours, (np.arange(20) < 10).astype(np.uint8)
-        )
-
-
-def test_contraction_keeps_the_topology_of_a_torus_and_of_a_tetrahedron():
-    points, faces = shapes.torus_mesh(24, 36)
-    shortest = np.full(len(points), 0.3)
-    none = np.full(len(points), -1, dtype=np.int32)
-    moved, kept = _native.contract_edges(points, faces.astype(np.int32), none, points, shortest)
-    assert len(moved) < len(points) / 2
-    shape = topology(kept.astype(np.int64))
-    assert (shape.closed, shape.vertex_manifold, shape.genus) == (True, True, 1)
-
-    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    sides = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], dtype=np.int32)
-    same = np.zeros(4, dtype=np.int32)
-    _, left = _native.contract_edges(corners, sides, same, corners, np.full(4, 9.0))
-    assert len(left) == 4
 
 
 def test_attributes_are_exact_at_samples_and_between_their_neighbours_elsewhere():

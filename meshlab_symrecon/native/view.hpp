@@ -1,0 +1,34 @@
+// A row of items owned by somebody else, as std::span of C++20.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace symrecon {
+
+template <class Item>
+class View {
+ public:
+  View(const Item* items, std::size_t size) : items_(items), size_(size) {}
+  View(const std::vector<Item>& items) : View(items.data(), items.size()) {}  // NOLINT: as std::span
+
+  std::size_t size() const { return size_; }
+  const Item& operator[](std::size_t place) const { return items_[place]; }
+  // A hint that an item will be read soon.
+  void announce(std::size_t place) const {
+#if defined(__GNUC__) || defined(__clang__)
+    __builtin_prefetch(items_ + place);
+#else
+    (void)place;
+#endif
+  }
+
+  const Item* begin() const { return items_; }
+  const Item* end() const { return items_ + size_; }
+
+ private:
+  const Item* items_;
+  std::size_t size_;
+};
+
+}  // namespace symrecon
