@@ -89,13 +89,14 @@ class Cavity {
   // Marks a tested cell. It counts as outside as long as no test has shown it to be inside.
   void decide(std::int32_t index, bool conflict) {
     complex_.mark(index) = conflict ? CellComplex::in_cavity : CellComplex::outside_cavity;
+    if (!conflict) return;
     inside_.make_room(1);
-    inside_.append_if(conflict, index);
+    inside_.append_if(true, index);
     tested_.make_room(4);
     for (std::int32_t other : complex_[index].neighbour) {
       complex_.announce(other);
-      std::uint8_t& mark = complex_.mark(other);
-      const bool fresh = conflict && mark == CellComplex::unvisited;
+      CellComplex::Mark& mark = complex_.mark(other);
+      const bool fresh = mark == CellComplex::unvisited;
       tested_.append_if(fresh, other);
       mark = fresh ? CellComplex::outside_cavity : mark;
     }

@@ -67,7 +67,7 @@ class CellComplex {
 
   Cell& operator[](std::int32_t index) { return cells_[index]; }
   const Cell& operator[](std::int32_t index) const { return cells_[index]; }
-  std::uint8_t& mark(std::int32_t index) { return marks_[index]; }
+  Mark& mark(std::int32_t index) { return marks_[index]; }
   bool exists(std::int32_t index) const { return marks_[index] != deleted; }
   std::int32_t size() const { return std::int32_t(cells_.size()); }
 
@@ -82,7 +82,7 @@ class CellComplex {
 
  private:
   std::vector<Cell> cells_;
-  std::vector<std::uint8_t> marks_;
+  std::vector<Mark> marks_;
   std::vector<std::int32_t> free_;
 };
 
