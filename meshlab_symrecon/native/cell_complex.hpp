@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "memory_pages.hpp"
+
 namespace symrecon {
 
 using Four = std::array<std::int32_t, 4>;
@@ -44,6 +46,7 @@ class CellComplex {
   void reserve(std::size_t count) {
     cells_.reserve(count);
     marks_.reserve(count);
+    prefer_large_pages(cells_.data(), count * sizeof(Cell));
   }
 
   std::int32_t create() {
@@ -78,6 +81,33 @@ class CellComplex {
 #else
     (void)index;
 #endif
+  }
+
+  // Take all cells with their numbers replaced by given ones, in the given order; number -1 leaves a cell out. What is
+  // no longer needed is given up on the way, so that no more than one and a half copies exist at a time. Leaves the
+  // complex empty.
+  void move_out(const std::vector<std::int32_t>& number, std::size_t count, std::vector<Four>& vertices,
+                std::vector<Four>& neighbours) {
+    vertices.resize(count);
+    for (std::size_t i = 0; i < cells_.size(); ++i)
+      if (number[i] >= 0) vertices[number[i]] = cells_[i].vertex;
+    // numbers ascend, so what is packed has been read
+    std::size_t packed = 0;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      if (number[i] < 0) continue;
+      Four renumbered;
+      for (int k = 0; k < 4; ++k) renumbered[k] = number[cells_[i].neighbour[k]];
+      (packed % 2 == 0 ? cells_[packed / 2].vertex : cells_[packed / 2].neighbour) = renumbered;
+      ++packed;
+    }
+    const std::size_t kept = (packed + 1) / 2;
+    abandon(cells_.data() + kept, (cells_.size() - kept) * sizeof(Cell));
+    neighbours.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+      neighbours[i] = i % 2 == 0 ? cells_[i / 2].vertex : cells_[i / 2].neighbour;
+    std::vector<Cell>().swap(cells_);
+    std::vector<Mark>().swap(marks_);
+    std::vector<std::int32_t>().swap(free_);
   }
 
  private:

@@ -9,12 +9,12 @@
 #include "cell_complex.hpp"
 #include "cell_tests.hpp"
 #include "predicates.hpp"
+#include "progress.hpp"
 #include "regular_triangulation.hpp"
 #include "site.hpp"
 
 namespace symrecon {
 
-inline constexpr std::int32_t insertions_per_report = 1 << 14;
 inline constexpr std::size_t expected_cells_per_site = 10;  // surface samples 8, their poles 9: a reservation, not a limit
 
 class Triangulator {
