@@ -28,15 +28,17 @@ def contract_edges(
     anchor_points: NDArray[np.float64],
     shortest: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
-def pole_cells(
-    sites: NDArray[np.float64],
-    centres: NDArray[np.float64],
-    cells: NDArray[np.int32],
-    samples: int,
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
-def sample_spacings(
-    sites: NDArray[np.float64], cells: NDArray[np.int32], samples: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def find_poles(
+    points: NDArray[np.float64], cells: NDArray[np.int32], samples: int
+) -> tuple[
+    NDArray[np.int32],
+    NDArray[np.float64],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.float64],
+    NDArray[np.float64],
+]: ...
+def lexicographic_order(points: NDArray[np.float64]) -> NDArray[np.int32]: ...
 def label_pieces(cells: NDArray[np.int32], labels: NDArray[np.uint8]) -> NDArray[np.int32]: ...
 def surface_topology(
     faces: NDArray[np.int32], vertex_count: int

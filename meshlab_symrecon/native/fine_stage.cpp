@@ -56,8 +56,7 @@ SYMRECON_WITH_FMA double power_determinant_by_fma(const Site& a, const Site& b, 
 
 bool has_fma() {
 #if defined(SYMRECON_ASK_FOR_FMA)
-  static const bool has = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  return has;
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 #elif defined(SYMRECON_WITH_FMA)
   return true;
 #else
