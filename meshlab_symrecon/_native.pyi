@@ -55,15 +55,6 @@ def contract_edges(
     flat: float,
     progress: Callable[[float], object] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
-def pole_cells(
-    sites: NDArray[np.float64],
-    centres: NDArray[np.float64],
-    cells: NDArray[np.int32],
-    samples: int,
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
-def sample_spacings(
-    sites: NDArray[np.float64], cells: NDArray[np.int32], samples: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def linked_pieces(
     sites: NDArray[np.float64],
     cells: NDArray[np.int32],
@@ -128,7 +119,17 @@ class MinimumCut:
         self, ties: NDArray[np.int32], progress: Callable[[float], object] | None = None
     ) -> NDArray[np.uint8]: ...
 
-def label_pieces(cells: NDArray[np.int32], labels: NDArray[np.uint8]) -> NDArray[np.int32]: ...
+def find_poles(
+    points: NDArray[np.float64], cells: NDArray[np.int32], samples: int
+) -> tuple[
+    NDArray[np.int32],
+    NDArray[np.float64],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.float64],
+    NDArray[np.float64],
+]: ...
+def lexicographic_order(points: NDArray[np.float64]) -> NDArray[np.int32]: ...
 def turn_small_pieces(
     cells: NDArray[np.int32],
     labels: NDArray[np.uint8],

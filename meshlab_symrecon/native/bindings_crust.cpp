@@ -142,30 +142,6 @@ void bind_crust(nb::module_& module) {
       nb::arg("weld"), nb::arg("flat"), nb::arg("progress") = nb::none(),
       "Contract edges of a closed manifold where the link condition holds: points, faces, nearest.");
   module.def(
-      "pole_cells",
-      [](Rows<double> sites, Rows<double> centres, Rows<std::int32_t> cells, std::int32_t samples) {
-        PoleCells poles;
-        {
-          nb::gil_scoped_release release;
-          poles = pole_cells(rows<Position>(sites), rows<Position>(centres), rows<Quad>(cells), samples);
-        }
-        return nb::make_tuple(give(std::move(poles.first)), give(std::move(poles.second)));
-      },
-      nb::arg("sites"), nb::arg("centres"), nb::arg("cells"), nb::arg("samples"),
-      "The cells whose circumcentres are the two poles of each sample; -1 for none.");
-  module.def(
-      "sample_spacings",
-      [](Rows<double> sites, Rows<std::int32_t> cells, std::int32_t samples) {
-        Spacings spacings;
-        {
-          nb::gil_scoped_release release;
-          spacings = sample_spacings(rows<Position>(sites), rows<Quad>(cells), samples);
-        }
-        return nb::make_tuple(give(std::move(spacings.next)), give(std::move(spacings.mean)));
-      },
-      nb::arg("sites"), nb::arg("cells"), nb::arg("samples"),
-      "Distance of each sample to the next one, and the mean of its four nearest neighbours.");
-  module.def(
       "surface_topology",
       [](Rows<std::int32_t> faces, std::int32_t vertex_count) {
         SurfaceTopology found;

@@ -67,7 +67,7 @@ auto without_gil(Work&& work) {
 nb::tuple graph_of(Rows<double, 3> centres, Row<double> radii, Rows<std::int32_t, 4> samples,
                    Row<std::uint8_t> used, std::int32_t sample_count, Rows<std::int32_t, 4> cells,
                    Rows<std::int32_t, 4> neighbours, std::int32_t most_partners, const nb::object& progress) {
-  const PolarBalls balls{view(centres), view(radii), view(samples), view(used), sample_count};
+  const UsedBalls balls{view(centres), view(radii), view(samples), view(used), sample_count};
   const Progress report = reporter(progress);
   PoleGraph graph = without_gil([&] { return pole_graph(balls, view(cells), view(neighbours), most_partners, report); });
   return nb::make_tuple(give(std::move(graph.offsets)), give(std::move(graph.ends)),

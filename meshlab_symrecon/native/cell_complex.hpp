@@ -10,13 +10,17 @@
 #include <stdexcept>
 #include <vector>
 
+#include "memory_pages.hpp"
+
 namespace symrecon {
+
+using Four = std::array<std::int32_t, 4>;
 
 constexpr std::int32_t infinite = -1;
 
 struct alignas(32) Cell {  // half a cache line
-  std::array<std::int32_t, 4> vertex;
-  std::array<std::int32_t, 4> neighbour;  // neighbour[k] lies opposite vertex[k]
+  Four vertex;
+  Four neighbour;  // neighbour[k] lies opposite vertex[k]
 
   bool is_infinite() const { return (vertex[0] | vertex[1] | vertex[2] | vertex[3]) < 0; }
 
@@ -26,10 +30,9 @@ struct alignas(32) Cell {  // half a cache line
     return -1;
   }
 
+  // no branch: the place is unpredictable
   int place_of_neighbour(std::int32_t other) const {
-    int k = 0;
-    while (neighbour[k] != other) ++k;
-    return k;
+    return int(neighbour[1] == other) + 2 * int(neighbour[2] == other) + 3 * int(neighbour[3] == other);
   }
 };
 
@@ -43,6 +46,7 @@ class CellComplex {
   void reserve(std::size_t count) {
     cells_.reserve(count);
     marks_.reserve(count);
+    prefer_large_pages(cells_.data(), count * sizeof(Cell));
   }
 
   std::int32_t create() {
@@ -66,22 +70,49 @@ class CellComplex {
 
   Cell& operator[](std::int32_t index) { return cells_[index]; }
   const Cell& operator[](std::int32_t index) const { return cells_[index]; }
-  std::uint8_t& mark(std::int32_t index) { return marks_[index]; }
+  Mark& mark(std::int32_t index) { return marks_[index]; }
   bool exists(std::int32_t index) const { return marks_[index] != deleted; }
   std::int32_t size() const { return std::int32_t(cells_.size()); }
 
-  // A hint that the neighbours of a cell will be read soon; worth a tenth of the time.
-  void announce_neighbours(std::int32_t index) const {
+  // A hint that the cell will be read soon; worth a tenth of the time.
+  void announce(std::int32_t index) const {
 #if defined(__GNUC__) || defined(__clang__)
-    for (std::int32_t other : cells_[index].neighbour) __builtin_prefetch(&cells_[other]);
+    __builtin_prefetch(&cells_[index]);
 #else
     (void)index;
 #endif
   }
 
+  // Take all cells with their numbers replaced by given ones, in the given order; number -1 leaves a cell out. What is
+  // no longer needed is given up on the way, so that no more than one and a half copies exist at a time. Leaves the
+  // complex empty.
+  void move_out(const std::vector<std::int32_t>& number, std::size_t count, std::vector<Four>& vertices,
+                std::vector<Four>& neighbours) {
+    vertices.resize(count);
+    for (std::size_t i = 0; i < cells_.size(); ++i)
+      if (number[i] >= 0) vertices[number[i]] = cells_[i].vertex;
+    // numbers ascend, so what is packed has been read
+    std::size_t packed = 0;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      if (number[i] < 0) continue;
+      Four renumbered;
+      for (int k = 0; k < 4; ++k) renumbered[k] = number[cells_[i].neighbour[k]];
+      (packed % 2 == 0 ? cells_[packed / 2].vertex : cells_[packed / 2].neighbour) = renumbered;
+      ++packed;
+    }
+    const std::size_t kept = (packed + 1) / 2;
+    abandon(cells_.data() + kept, (cells_.size() - kept) * sizeof(Cell));
+    neighbours.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+      neighbours[i] = i % 2 == 0 ? cells_[i / 2].vertex : cells_[i / 2].neighbour;
+    std::vector<Cell>().swap(cells_);
+    std::vector<Mark>().swap(marks_);
+    std::vector<std::int32_t>().swap(free_);
+  }
+
  private:
   std::vector<Cell> cells_;
-  std::vector<std::uint8_t> marks_;
+  std::vector<Mark> marks_;
   std::vector<std::int32_t> free_;
 };
 

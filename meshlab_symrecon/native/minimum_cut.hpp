@@ -9,7 +9,7 @@
 #include <deque>
 #include <vector>
 
-#include "array_view.hpp"
+#include "view.hpp"
 #include "patience.hpp"
 
 namespace symrecon {

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "lexicographic_order.hpp"
 #include "orthocentres.hpp"
+#include "poles.hpp"
 #include "predicates.hpp"
 #include "regular_triangulation.hpp"
 #include "scaling.hpp"
@@ -40,6 +42,7 @@ Array to_numpy(std::vector<Element>&& values, std::initializer_list<std::size_t>
 
 using Matrix = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<2>>;
 using Vector = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<1>>;
+using Floats = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
 using Centres = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
 
 nb::tuple triangulate(const PointArray& points, const FloatArray& weights, const nb::object& progress) {
@@ -62,20 +65,59 @@ nb::tuple triangulate(const PointArray& points, const FloatArray& weights, const
       to_numpy<Vector>(std::move(result.representative), {sites}), to_numpy<Vector>(std::move(result.hidden_cell), {sites}));
 }
 
+void require_known_sites(const CellArray& cells, std::size_t sites) {
+  for (std::size_t i = 0; i < 4 * cells.shape(0); ++i)
+    if (cells.data()[i] < 0 || std::size_t(cells.data()[i]) >= sites) throw std::out_of_range("cell of unknown sites");
+}
+
 Centres orthocentres(const PointArray& points, const FloatArray& weights, const CellArray& cells) {
   const std::size_t count = cells.shape(0);
   std::vector<Point> centres(count);
   {
     const std::vector<Site> sites = gather(points, weights);
     nb::gil_scoped_release release;
+    require_known_sites(cells, sites.size());
     for (std::size_t i = 0; i < count; ++i) {
       const std::int32_t* vertex = cells.data() + 4 * i;
-      for (int k = 0; k < 4; ++k)
-        if (vertex[k] < 0 || std::size_t(vertex[k]) >= sites.size()) throw std::out_of_range("cell of unknown sites");
       centres[i] = orthocentre(sites[vertex[0]], sites[vertex[1]], sites[vertex[2]], sites[vertex[3]]);
     }
   }
   return to_numpy<Centres>(std::move(centres), {count, 3});
+}
+
+std::vector<Site> gather(const PointArray& points) {
+  std::vector<Site> sites(points.shape(0));
+  const double* position = points.data();
+  for (std::size_t i = 0; i < sites.size(); ++i)
+    sites[i] = {position[3 * i], position[3 * i + 1], position[3 * i + 2], 0.0};
+  return sites;
+}
+
+nb::tuple find_poles_of(const PointArray& points, const CellArray& cells, std::int32_t samples) {
+  require_known_sites(cells, points.shape(0));
+  const Quad* const first = reinterpret_cast<const Quad*>(cells.data());
+  FoundPoles poles;
+  Spacings spacings;
+  {
+    const std::vector<Site> sites = gather(points);
+    nb::gil_scoped_release release;
+    poles = find_poles(sites, first, cells.shape(0), samples);
+    spacings = sample_spacings(sites, first, cells.shape(0), samples);
+  }
+  const std::size_t count = poles.cells.size(), rows = poles.first.size();
+  return nb::make_tuple(to_numpy<Vector>(std::move(poles.cells), {count}), to_numpy<Centres>(std::move(poles.centres), {count, 3}),
+                        to_numpy<Vector>(std::move(poles.first), {rows}), to_numpy<Vector>(std::move(poles.second), {rows}),
+                        to_numpy<Floats>(std::move(spacings.next), {rows}), to_numpy<Floats>(std::move(spacings.mean), {rows}));
+}
+
+Vector lexicographic_order_of(const PointArray& points) {
+  std::vector<std::int32_t> order;
+  {
+    nb::gil_scoped_release release;
+    order = lexicographic_order(points.data(), points.shape(0));
+  }
+  const std::size_t count = order.size();
+  return to_numpy<Vector>(std::move(order), {count});
 }
 
 // The stages of a predicate apart, for the tests: a stage that claims a sign must be right.
@@ -121,6 +163,8 @@ NB_MODULE(_native, module) {
   module.def("regular_triangulation", &triangulate, nb::arg("points"), nb::arg("weights"),
              nb::arg("progress") = nb::none());
   module.def("orthocentres", &orthocentres, nb::arg("points"), nb::arg("weights"), nb::arg("cells"));
+  module.def("find_poles", &find_poles_of, nb::arg("points"), nb::arg("cells"), nb::arg("samples"));
+  module.def("lexicographic_order", &lexicographic_order_of, nb::arg("points"));
   module.def("orientation", &orientation_of, nb::arg("points"), nb::arg("stage") = int(all_stages));
   module.def("power_test", &power_test_of, nb::arg("points"), nb::arg("weights"), nb::arg("stage") = int(all_stages));
   module.def("perturbed_power_test", &perturbed_power_test_of, nb::arg("points"), nb::arg("weights"));

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "array_view.hpp"
+#include "view.hpp"
 
 namespace symrecon {
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "array_view.hpp"
+#include "view.hpp"
 
 namespace symrecon {
 

@@ -45,7 +45,7 @@ class LowerEdges {
   std::vector<float> cosines;
 
   // Room for the edges expected is asked for but not touched, so that it costs no memory.
-  LowerEdges(const PolarBalls& balls, std::size_t expected)
+  LowerEdges(const UsedBalls& balls, std::size_t expected)
       : balls_(balls), seen_(balls.radii.size(), -1), row_(balls.radii.size() + 1) {
     offsets.reserve(seen_.size() + 1);
     ends.reserve(expected);
@@ -81,7 +81,7 @@ class LowerEdges {
   }
 
  private:
-  const PolarBalls& balls_;
+  const UsedBalls& balls_;
   std::vector<std::int32_t> seen_;  // the pole that met this one last
   std::vector<std::int32_t> row_;   // the lower ends of the pole at hand
   std::size_t width_ = 0;
@@ -105,7 +105,7 @@ Buckets lower_neighbours(View<Quad> cells, View<Quad> neighbours, std::size_t co
   });
 }
 
-Buckets poles_at_samples(const PolarBalls& balls) {
+Buckets poles_at_samples(const UsedBalls& balls) {
   return counting_sort(balls.sample_count, [&](auto&& emit) {
     for (std::size_t pole = 0; pole < balls.radii.size(); ++pole)
       if (balls.used[pole])
@@ -114,7 +114,7 @@ Buckets poles_at_samples(const PolarBalls& balls) {
   });
 }
 
-LowerEdges lower_edges(const PolarBalls& balls, View<Quad> cells, View<Quad> neighbours, std::int32_t most_partners,
+LowerEdges lower_edges(const UsedBalls& balls, View<Quad> cells, View<Quad> neighbours, std::int32_t most_partners,
                        const Progress& progress) {
   const std::size_t count = balls.radii.size();
   const Buckets at_sample = poles_at_samples(balls);
@@ -170,7 +170,7 @@ PoleGraph both_ways(const LowerEdges& lower) {
 
 }  // namespace
 
-PoleGraph pole_graph(const PolarBalls& balls, View<Quad> cells, View<Quad> neighbours,
+PoleGraph pole_graph(const UsedBalls& balls, View<Quad> cells, View<Quad> neighbours,
                      std::int32_t most_partners, const Progress& progress) {
   return both_ways(lower_edges(balls, cells, neighbours, most_partners, progress));
 }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "array_view.hpp"
+#include "view.hpp"
 #include "crust.hpp"
 #include "patience.hpp"
 
@@ -20,7 +20,7 @@ struct PoleGraph {
 };
 
 // Balls and what joins them: cells of their regular triangulation, and samples on their spheres.
-struct PolarBalls {
+struct UsedBalls {
   View<Position> centres;
   View<double> radii;
   View<Quad> samples;       // on each ball; numbers from `sample_count` on are none
@@ -30,7 +30,7 @@ struct PolarBalls {
 
 // Join the used balls that share an edge of `cells`, or a sample with one of the `most_partners` - 1
 // used balls before them at that sample, where their cosine is positive.
-PoleGraph pole_graph(const PolarBalls& balls, View<Quad> cells, View<Quad> neighbours,
+PoleGraph pole_graph(const UsedBalls& balls, View<Quad> cells, View<Quad> neighbours,
                      std::int32_t most_partners, const Progress& progress);
 
 // For each pair of poles of a sample the cosine between the directions to them, turned over: 1 where

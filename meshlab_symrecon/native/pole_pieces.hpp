@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "array_view.hpp"
+#include "view.hpp"
 #include "crust.hpp"
 
 namespace symrecon {

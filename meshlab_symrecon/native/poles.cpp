@@ -6,11 +6,58 @@
 namespace symrecon {
 namespace {
 
-Position arm(const Position& from, const Position& to) {
-  return {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+Point arm(const Site& from, const Point& to) { return {to.x - from.x, to.y - from.y, to.z - from.z}; }
+
+double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+double square_distance(const Site& a, const Site& b) {
+  const Point apart = {b.x - a.x, b.y - a.y, b.z - a.z};
+  return dot(apart, apart);
 }
 
-double dot(const Position& a, const Position& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+// What one sample knows of its poles; together, since a pass over the cells visits the samples at random.
+struct Search {
+  double farthest = -1.0;
+  Point ahead = {0.0, 0.0, 0.0};  // from the sample to its first pole
+  double farthest_behind = -1.0;
+  std::int32_t first = -1, second = -1;
+};
+
+std::vector<Point> find_first(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
+                              std::vector<Search>& searches) {
+  std::vector<Point> centres(cell_count);
+  for (std::size_t i = 0; i < cell_count; ++i) {
+    const Quad& cell = cells[i];
+    centres[i] = orthocentre(sites[cell[0]], sites[cell[1]], sites[cell[2]], sites[cell[3]]);
+    for (const std::int32_t sample : cell) {
+      if (std::size_t(sample) >= searches.size()) continue;
+      Search& search = searches[sample];
+      const Point reach = arm(sites[sample], centres[i]);
+      const double square = dot(reach, reach);
+      if (square > search.farthest) {
+        search.farthest = square;
+        search.ahead = reach;
+        search.first = std::int32_t(i);
+      }
+    }
+  }
+  return centres;
+}
+
+void find_second(const std::vector<Site>& sites, const Quad* cells, const std::vector<Point>& centres,
+                 std::vector<Search>& searches) {
+  for (std::size_t i = 0; i < centres.size(); ++i)
+    for (const std::int32_t sample : cells[i]) {
+      if (std::size_t(sample) >= searches.size()) continue;
+      Search& search = searches[sample];
+      const Point reach = arm(sites[sample], centres[i]);
+      const double square = dot(reach, reach);
+      if (square > search.farthest_behind && dot(reach, search.ahead) <= 0.0) {
+        search.farthest_behind = square;
+        search.second = std::int32_t(i);
+      }
+    }
+}
 
 // The four nearest of the neighbours offered, each once, nearest first.
 struct Nearest {
@@ -39,48 +86,45 @@ struct Nearest {
 
 }  // namespace
 
-PoleCells pole_cells(const std::vector<Position>& sites, const std::vector<Position>& centres,
-                     const std::vector<Quad>& cells, std::int32_t samples) {
-  PoleCells poles{std::vector<std::int32_t>(samples, -1), std::vector<std::int32_t>(samples, -1)};
-  std::vector<double> farthest(samples, -1.0);
-  const auto for_each_corner = [&](auto&& visit) {
-    for (std::size_t cell = 0; cell < cells.size(); ++cell)
-      for (const std::int32_t sample : cells[cell])
-        if (sample < samples) visit(static_cast<std::int32_t>(cell), sample);
-  };
-  for_each_corner([&](std::int32_t cell, std::int32_t sample) {
-    const Position reach = arm(sites[sample], centres[cell]);
-    const double square = dot(reach, reach);
-    if (square > farthest[sample]) {
-      farthest[sample] = square;
-      poles.first[sample] = cell;
-    }
-  });
-  std::fill(farthest.begin(), farthest.end(), -1.0);
-  for_each_corner([&](std::int32_t cell, std::int32_t sample) {
-    const Position reach = arm(sites[sample], centres[cell]);
-    const Position ahead = arm(sites[sample], centres[poles.first[sample]]);
-    const double square = dot(reach, reach);
-    if (dot(reach, ahead) <= 0.0 && square > farthest[sample]) {
-      farthest[sample] = square;
-      poles.second[sample] = cell;
-    }
-  });
+FoundPoles find_poles(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
+                      std::int32_t samples) {
+  std::vector<Search> searches(samples);
+  const std::vector<Point> centres = find_first(sites, cells, cell_count, searches);
+  find_second(sites, cells, centres, searches);
+  std::vector<std::int32_t> number(cell_count, -1);
+  for (const Search& search : searches) {
+    if (search.first >= 0) number[search.first] = 0;
+    if (search.second >= 0) number[search.second] = 0;
+  }
+  FoundPoles poles;
+  for (std::size_t i = 0; i < cell_count; ++i) {
+    if (number[i] < 0) continue;
+    number[i] = std::int32_t(poles.cells.size());
+    poles.cells.push_back(std::int32_t(i));
+    poles.centres.push_back(centres[i]);
+  }
+  poles.first.reserve(samples);
+  poles.second.reserve(samples);
+  for (const Search& search : searches) {
+    poles.first.push_back(search.first < 0 ? -1 : number[search.first]);
+    poles.second.push_back(search.second < 0 ? -1 : number[search.second]);
+  }
   return poles;
 }
 
-Spacings sample_spacings(const std::vector<Position>& sites, const std::vector<Quad>& cells,
+Spacings sample_spacings(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
                          std::int32_t samples) {
   std::vector<Nearest> nearest(samples);
-  for (const Quad& cell : cells)
+  for (std::size_t i = 0; i < cell_count; ++i) {
+    const Quad& cell = cells[i];
     for (int a = 0; a < 3; ++a)
       for (int b = a + 1; b < 4; ++b) {
         if (cell[a] >= samples || cell[b] >= samples) continue;
-        const Position apart = arm(sites[cell[a]], sites[cell[b]]);
-        const double square = dot(apart, apart);
+        const double square = square_distance(sites[cell[a]], sites[cell[b]]);
         nearest[cell[a]].offer(cell[b], square);
         nearest[cell[b]].offer(cell[a], square);
       }
+  }
   Spacings spacings{std::vector<double>(samples), std::vector<double>(samples)};
   for (std::int32_t sample = 0; sample < samples; ++sample) {
     const Nearest& found = nearest[sample];

@@ -6,18 +6,22 @@
 #include <vector>
 
 #include "crust.hpp"
+#include "orthocentres.hpp"
+#include "site.hpp"
 
 namespace symrecon {
 
-// For each sample the cells whose circumcentres are its two poles; -1 where there is none.
-struct PoleCells {
-  std::vector<std::int32_t> first;   // farthest circumcentre of the sample's cells
-  std::vector<std::int32_t> second;  // farthest one on the other side of the sample
+// The poles of samples, each once, in the order of their cells.
+struct FoundPoles {
+  std::vector<std::int32_t> cells;  // per pole: the cell whose circumcentre it is
+  std::vector<Point> centres;
+  std::vector<std::int32_t> first;   // per sample: the farthest circumcentre of its cells; -1 without a cell
+  std::vector<std::int32_t> second;  // the farthest one on the other side of the sample; -1 for none
 };
 
 // Sites from `samples` on are no samples.  Of equally far centres the one of the first cell counts.
-PoleCells pole_cells(const std::vector<Position>& sites, const std::vector<Position>& centres,
-                     const std::vector<Quad>& cells, std::int32_t samples);
+FoundPoles find_poles(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
+                      std::int32_t samples);
 
 // How far the samples round each sample are, in terms of its Delaunay neighbours.
 struct Spacings {
@@ -26,7 +30,7 @@ struct Spacings {
 };
 
 // A sample without a neighbour that is a sample gets infinity.
-Spacings sample_spacings(const std::vector<Position>& sites, const std::vector<Quad>& cells,
+Spacings sample_spacings(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
                          std::int32_t samples);
 
 }  // namespace symrecon

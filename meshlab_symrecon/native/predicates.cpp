@@ -44,10 +44,6 @@ Row<DoubleDouble> difference(const Site& a, const Site& b) {
   return {two_difference(a.x, b.x), two_difference(a.y, b.y), two_difference(a.z, b.z)};
 }
 
-DoubleDouble fine_lift(const Row<DoubleDouble>& row, double weight, double last_weight) {
-  return ((row.x * row.x + row.y * row.y) + row.z * row.z) - two_difference(weight, last_weight);
-}
-
 template <int Capacity>
 struct ExactRows {
   using Number = Integer<Capacity>;
@@ -101,13 +97,6 @@ bool collinear_with(const ExactFrame& frame, const Site& a, const Site& b, const
 int fine_orientation(const Site& a, const Site& b, const Site& c, const Site& d, double bound) {
   const DoubleDouble value = orientation_determinant(difference(a, d), difference(b, d), difference(c, d));
   return certified_sign(value.high, bound);
-}
-
-int fine_power_test(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e, double bound) {
-  const Row<DoubleDouble> ra = difference(a, e), rb = difference(b, e), rc = difference(c, e), rd = difference(d, e);
-  const DoubleDouble lifts[4] = {fine_lift(ra, a.weight, e.weight), fine_lift(rb, b.weight, e.weight),
-                                 fine_lift(rc, c.weight, e.weight), fine_lift(rd, d.weight, e.weight)};
-  return certified_sign(power_determinant(ra, rb, rc, rd, lifts).high, bound);
 }
 
 int exact_orientation(const Site& a, const Site& b, const Site& c, const Site& d) {

@@ -52,7 +52,7 @@ constexpr double unit_roundoff = 1.1102230246251565e-16;  // 2^-53
 constexpr double orientation_bound = 10 * unit_roundoff;
 constexpr double power_bound = 20 * unit_roundoff;
 constexpr double fine_orientation_bound = 64 * unit_roundoff * unit_roundoff;
-constexpr double fine_power_bound = 128 * unit_roundoff * unit_roundoff;
+constexpr double fine_power_bound = 256 * unit_roundoff * unit_roundoff;
 
 inline int certified_sign(double value, double bound) {
   // one branch that is nearly always taken; the sign itself, hard to predict, needs none

@@ -31,12 +31,12 @@ struct Distinct {
   std::vector<std::int32_t> representative;  // per input site
 };
 
-Distinct distinct_in_order(const std::vector<Site>& sites) {
+Distinct distinct_in_order(const std::vector<Site>& sites, const Progress& progress) {
   Distinct distinct;
   distinct.representative.resize(sites.size());
   distinct.sites.reserve(sites.size());
   distinct.original.reserve(sites.size());
-  for (std::int32_t index : spatial_order(sites)) {
+  for (std::int32_t index : spatial_order(sites, progress)) {
     if (distinct.sites.empty() || !same_position(distinct.sites.back(), sites[index])) {
       distinct.sites.push_back(sites[index]);
       distinct.original.push_back(index);
@@ -46,21 +46,13 @@ Distinct distinct_in_order(const std::vector<Site>& sites) {
   return distinct;
 }
 
-void export_cells(CellComplex& complex, const std::vector<std::int32_t>& original, std::vector<std::int32_t>& number,
-                  RegularTriangulation& result) {
-  number.assign(complex.size(), -1);
-  std::int32_t count = 0;
+// Consecutive numbers for the finite cells, -1 for others.
+std::vector<std::int32_t> number_finite_cells(const CellComplex& complex, std::size_t& count) {
+  std::vector<std::int32_t> number(complex.size(), -1);
+  count = 0;
   for (std::int32_t i = 0; i < complex.size(); ++i)
-    if (complex.exists(i) && !complex[i].is_infinite()) number[i] = count++;
-  result.cells.resize(count);
-  result.neighbours.resize(count);
-  for (std::int32_t i = 0; i < complex.size(); ++i) {
-    if (number[i] < 0) continue;
-    for (int k = 0; k < 4; ++k) {
-      result.cells[number[i]][k] = original[complex[i].vertex[k]];
-      result.neighbours[number[i]][k] = number[complex[i].neighbour[k]];
-    }
-  }
+    if (complex.exists(i) && !complex[i].is_infinite()) number[i] = std::int32_t(count++);
+  return number;
 }
 
 }  // namespace
@@ -73,9 +65,10 @@ RegularTriangulation regular_triangulation(std::vector<Site> sites, const Progre
     site.y += 0.0;
     site.z += 0.0;
   }
+  if (progress) progress(0.0);
   const std::size_t total = sites.size();
   const Margins margins = bring_to_usual_size(sites);
-  Distinct distinct = distinct_in_order(sites);
+  Distinct distinct = distinct_in_order(sites, progress);
   std::vector<Site>().swap(sites);
   result.representative.swap(distinct.representative);
   result.hidden_cell.assign(total, -1);
@@ -86,10 +79,16 @@ RegularTriangulation regular_triangulation(std::vector<Site> sites, const Progre
   Triangulator triangulator(distinct.sites, margins);
   triangulator.build(simplex, progress);
 
-  std::vector<std::int32_t> number;
-  export_cells(triangulator.complex(), distinct.original, number, result);
-  for (std::int32_t i = 0; i < std::int32_t(distinct.sites.size()); ++i)
+  std::size_t count;
+  const std::vector<std::int32_t> number = number_finite_cells(triangulator.complex(), count);
+  for (std::int32_t i = 0; i < std::int32_t(distinct.sites.size()); ++i) {
+    if (i % insertions_per_report == 0 && progress) progress(1.0);
     if (triangulator.is_hidden(i)) result.hidden_cell[distinct.original[i]] = number[triangulator.locate(i)];
+  }
+  triangulator.complex().move_out(number, count, result.cells, result.neighbours);
+  if (progress) progress(1.0);
+  for (Four& cell : result.cells)
+    for (std::int32_t& vertex : cell) vertex = distinct.original[vertex];
   if (progress) progress(1.0);
   return result;
 }

@@ -5,16 +5,14 @@
 // and the cells in conflict with a new site always form a star-shaped cavity around it.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
+#include "cell_complex.hpp"
+#include "progress.hpp"
 #include "site.hpp"
 
 namespace symrecon {
-
-using Four = std::array<std::int32_t, 4>;
 
 struct RegularTriangulation {
   int rank = 0;  // dimension spanned by the positions; there are cells only when it is 3
@@ -23,9 +21,6 @@ struct RegularTriangulation {
   std::vector<std::int32_t> representative;  // per site: itself, or the site at the same position that stands for it
   std::vector<std::int32_t> hidden_cell;     // per site: -1, or for a hidden site the cell that contains it
 };
-
-// Called now and then with the share of sites inserted; may throw to stop the work.
-using Progress = std::function<void(double)>;
 
 // `sites` are finite. Throws std::length_error when the cells outgrow 32-bit indices.
 RegularTriangulation regular_triangulation(std::vector<Site> sites, const Progress& progress);

@@ -1,24 +1,33 @@
-// Finds, for every ridge (edge) of a cavity's boundary, the two new cells that meet there.
+// Finds, for every ridge (edge) of a cavity's boundary, the new cell on its other side.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace symrecon {
 
-// Open addressing, reused for every cavity; each ridge is entered once and taken out once, so it ends up empty.
-class RidgeTable {
- public:
-  struct Side {
-    std::int32_t cell;
-    std::int32_t facet;
-  };
+// The boundary is an oriented closed surface, so each ridge is used once in either direction: the cell that has u -> v
+// finds its neighbour under v -> u. Vertices are numbered within the boundary.
 
-  // Make room for the ridges of a boundary of so many facets.
-  void prepare(std::size_t facets) {
+// A square of entries; no search and no branch, for the boundaries of up to `widest` vertices that are nearly all.
+class SmallRidgeTable {
+ public:
+  static constexpr std::size_t widest = 128;
+
+  std::int32_t& at(std::int32_t u, std::int32_t v) { return entries_[std::size_t(u) * widest + std::size_t(v)]; }
+
+ private:
+  std::vector<std::int32_t> entries_ = std::vector<std::int32_t>(widest * widest, 0);
+};
+
+// Open addressing, for any number of ridges.
+class LargeRidgeTable {
+ public:
+  void prepare(std::size_t ridges) {
     std::size_t size = 64;
     shift_ = 58;
-    while (size < 4 * facets) {
+    while (size < 4 * ridges) {
       size *= 2;
       --shift_;
     }
@@ -27,18 +36,12 @@ class RidgeTable {
     ++round_;
   }
 
-  // The side entered before for this ridge, or nullptr after entering the given one.
-  const Side* match(std::int32_t u, std::int32_t v, Side side) {
-    const std::uint32_t low = std::uint32_t(u < v ? u : v), high = std::uint32_t(u < v ? v : u);
-    const std::uint64_t key = std::uint64_t(low) << 32 | high;
-    std::size_t slot = (key * 0x9e3779b97f4a7c15u) >> shift_;
-    for (;; slot = (slot + 1) & mask_) {
+  std::int32_t& at(std::int32_t u, std::int32_t v) {
+    const std::uint64_t key = std::uint64_t(std::uint32_t(u)) << 32 | std::uint32_t(v);
+    for (std::size_t slot = (key * 0x9e3779b97f4a7c15u) >> shift_;; slot = (slot + 1) & mask_) {
       Entry& entry = entries_[slot];
-      if (entry.round != round_) {
-        entry = {key, round_, side};
-        return nullptr;
-      }
-      if (entry.key == key) return &entry.side;
+      if (entry.round != round_) entry = {key, round_, 0};
+      if (entry.key == key) return entry.cell;
     }
   }
 
@@ -46,7 +49,7 @@ class RidgeTable {
   struct Entry {
     std::uint64_t key = 0;
     std::uint32_t round = 0;
-    Side side = {0, 0};
+    std::int32_t cell = 0;
   };
 
   std::vector<Entry> entries_;

@@ -141,7 +141,7 @@ class Sorter {
 
 }  // namespace
 
-std::vector<std::int32_t> spatial_order(const std::vector<Site>& sites) {
+std::vector<std::int32_t> spatial_order(const std::vector<Site>& sites, const Progress& progress) {
   const std::int32_t count = std::int32_t(sites.size());
   std::vector<std::int32_t> order(sites.size());
   if (count == 0) return order;
@@ -155,7 +155,9 @@ std::vector<std::int32_t> spatial_order(const std::vector<Site>& sites) {
     const std::uint64_t round = std::uint64_t(round_of(site, rounds));
     entry.key = round << (3 * curve_bits) | (box.extent > 0.0 ? box.key(site) : 0);
   }
+  if (progress) progress(0.0);
   Sorter(sites).sort_by_key(keyed.data(), keyed.data() + count);
+  if (progress) progress(0.0);
   for (std::int32_t i = 0; i < count; ++i) order[i] = keyed[i].index;
   return order;
 }

@@ -5,22 +5,27 @@
 #include <cstdint>
 #include <vector>
 
+#include "cavity.hpp"
 #include "cell_complex.hpp"
+#include "cell_tests.hpp"
 #include "predicates.hpp"
+#include "progress.hpp"
 #include "regular_triangulation.hpp"
-#include "ridge_table.hpp"
 #include "site.hpp"
 
 namespace symrecon {
 
-inline constexpr std::int32_t insertions_per_report = 1 << 14;
 inline constexpr std::size_t expected_cells_per_site = 10;  // surface samples 8, their poles 9: a reservation, not a limit
 
 class Triangulator {
  public:
   // `sites` in order of insertion, at different positions
   Triangulator(const std::vector<Site>& sites, const Margins& margins)
-      : sites_(sites), margins_(margins), hidden_(sites.size(), 0), seen_(sites.size(), -1) {
+      : sites_(sites),
+        margins_(margins),
+        hidden_(sites.size(), 0),
+        tests_(sites, margins, complex_),
+        cavity_(complex_, tests_, sites.size()) {
     uniform_ = std::all_of(sites.begin(), sites.end(),
                            [&](const Site& site) { return site.weight == sites.front().weight; });
     complex_.reserve(expected_cells_per_site * sites.size() + 64);
@@ -50,7 +55,7 @@ class Triangulator {
       std::int32_t next = -1;
       for (int i = 0; i < 4; ++i) {
         const int k = (i + offset) & 3;
-        if (cell.neighbour[k] != previous && side_of_facet(cell, k, site) < 0) {
+        if (cell.neighbour[k] != previous && tests_.side_of_facet(cell, k, site) < 0) {
           next = cell.neighbour[k];
           break;
         }
@@ -63,13 +68,6 @@ class Triangulator {
   }
 
  private:
-  struct BoundaryFacet {
-    Four vertex;      // of the new cell: the cavity's cell with one vertex replaced by the new site
-    int place;        // of the new site
-    std::int32_t outer;
-    int outer_place;  // of the facet in the outer cell
-  };
-
   void start(const Four& simplex) {
     Four vertex = simplex;
     const int sign = orientation(sites_[vertex[0]], sites_[vertex[1]], sites_[vertex[2]], sites_[vertex[3]], margins_);
@@ -97,108 +95,15 @@ class Triangulator {
     last_ = finite;
   }
 
-  // > 0 when the site lies on the cell's side of its facet k
-  int side_of_facet(const Cell& cell, int k, std::int32_t site) const {
-    const int* place = facet_vertices[k];
-    return orientation(sites_[cell.vertex[place[0]]], sites_[cell.vertex[place[1]]], sites_[cell.vertex[place[2]]],
-                       sites_[site], margins_);
-  }
-
-  bool in_conflict(std::int32_t index, std::int32_t site) const {
-    const Cell* cell = &complex_[index];
-    if (cell->is_infinite()) {
-      const int k = cell->place_of_infinite();
-      const int side = side_of_facet(*cell, k, site);
-      if (side != 0) return side > 0;
-      // In the plane of the hull facet: the power to its orthocircle decides. The finite neighbour has the same, since
-      // the coefficient of its fourth vertex vanishes.
-      cell = &complex_[cell->neighbour[k]];
-    }
-    const Four& v = cell->vertex;
-    return perturbed_power_test(sites_[v[0]], sites_[v[1]], sites_[v[2]], sites_[v[3]], sites_[site], margins_) > 0;
-  }
-
   void insert(std::int32_t site) {
     const std::int32_t found = locate(site);
-    if (!in_conflict(found, site)) {
+    if (!tests_.in_conflict(found, site)) {
       hidden_[site] = 1;
       return;
     }
-    dig_cavity(found, site);
-    if (!uniform_) hide_swallowed(site);
-    for (std::int32_t index : cavity_) complex_.destroy(index);
-    for (std::int32_t index : visited_outside_) complex_.mark(index) = CellComplex::unvisited;
-    fill_cavity();
-  }
-
-  // All cells in conflict are connected; collect them and the facets around them.
-  void dig_cavity(std::int32_t first, std::int32_t site) {
-    cavity_.assign(1, first);
-    visited_outside_.clear();
-    boundary_.clear();
-    complex_.mark(first) = CellComplex::in_cavity;
-    for (std::size_t next = 0; next < cavity_.size(); ++next) {
-      const std::int32_t index = cavity_[next];
-      const Cell& cell = complex_[index];
-      if (next + 1 < cavity_.size()) complex_.announce_neighbours(cavity_[next + 1]);
-      // All tests before the first consequence: their outcomes are unpredictable, so that a branch after each would
-      // keep the processor from working on several at a time.
-      std::uint8_t verdicts[4];
-      for (int k = 0; k < 4; ++k) {
-        verdicts[k] = complex_.mark(cell.neighbour[k]);
-        if (verdicts[k] == CellComplex::unvisited)
-          verdicts[k] = in_conflict(cell.neighbour[k], site) ? CellComplex::in_cavity : CellComplex::outside_cavity;
-      }
-      for (int k = 0; k < 4; ++k) {
-        const std::int32_t other = cell.neighbour[k];
-        std::uint8_t& mark = complex_.mark(other);
-        if (mark == CellComplex::unvisited) {
-          mark = verdicts[k];
-          (mark == CellComplex::in_cavity ? cavity_ : visited_outside_).push_back(other);
-        }
-        if (mark == CellComplex::outside_cavity) {
-          BoundaryFacet facet = {cell.vertex, k, other, complex_[other].place_of_neighbour(index)};
-          facet.vertex[k] = site;
-          boundary_.push_back(facet);
-        }
-      }
-    }
-  }
-
-  // Vertices of the cavity that are not on its boundary lose all their cells.
-  void hide_swallowed(std::int32_t site) {
-    for (const BoundaryFacet& facet : boundary_)
-      for (std::int32_t vertex : facet.vertex)
-        if (vertex != infinite) seen_[vertex] = site;
-    for (std::int32_t index : cavity_)
-      for (std::int32_t vertex : complex_[index].vertex)
-        if (vertex != infinite && seen_[vertex] != site) hidden_[vertex] = 1;
-  }
-
-  void fill_cavity() {
-    ridges_.prepare(boundary_.size());
-    for (const BoundaryFacet& facet : boundary_) {
-      const std::int32_t created = complex_.create();
-      Cell& cell = complex_[created];
-      cell.vertex = facet.vertex;
-      cell.neighbour[facet.place] = facet.outer;
-      complex_[facet.outer].neighbour[facet.outer_place] = created;
-      for (int k = 0; k < 4; ++k)
-        if (k != facet.place) link(created, k, facet);
-      last_ = created;
-    }
-  }
-
-  // Facet k of a new cell holds the new site and one ridge of the boundary: the two other places.
-  void link(std::int32_t created, int k, const BoundaryFacet& facet) {
-    std::int32_t ridge[2];
-    int found = 0;
-    for (int j = 0; j < 4; ++j)
-      if (j != k && j != facet.place) ridge[found++] = facet.vertex[j];
-    const RidgeTable::Side* mate = ridges_.match(ridge[0], ridge[1], {created, k});
-    if (mate == nullptr) return;
-    complex_[created].neighbour[k] = mate->cell;
-    complex_[mate->cell].neighbour[mate->facet] = created;
+    cavity_.dig(found, site);
+    if (!uniform_) cavity_.for_each_swallowed(site, [&](std::int32_t vertex) { hidden_[vertex] = 1; });
+    last_ = cavity_.fill(site);
   }
 
   // xorshift32: breaks the walk's habit of preferring low facets; fixed seed
@@ -212,12 +117,10 @@ class Triangulator {
   const std::vector<Site>& sites_;
   Margins margins_;
   bool uniform_ = false;
-  CellComplex complex_;
   std::vector<std::uint8_t> hidden_;
-  std::vector<std::int32_t> seen_;  // per site: the last insertion whose cavity had it on the boundary
-  std::vector<std::int32_t> cavity_, visited_outside_;
-  std::vector<BoundaryFacet> boundary_;
-  RidgeTable ridges_;
+  CellComplex complex_;
+  CellTests tests_;
+  Cavity cavity_;
   std::int32_t last_ = 0;
   std::uint32_t random_ = 2463534242u;
 };

@@ -8,7 +8,7 @@ import numpy as np
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
-from meshlab_symrecon.geometry.triangulation import Triangulation, circumcentres
+from meshlab_symrecon.geometry.triangulation import Triangulation
 
 __all__ = ["CUBE", "ENCLOSURE", "Poles", "enclose", "find_poles"]
 
@@ -117,27 +117,21 @@ def find_poles(delaunay: Triangulation, sample_count: int) -> Poles:
     sample_count : int
         Number of samples; the sites after them are the corners.
     """
-    centres = circumcentres(delaunay)
-    first, second = _native.pole_cells(delaunay.sites, centres, delaunay.cells, sample_count)
+    cells, centres, first, second, spacing, room = _native.find_poles(
+        delaunay.sites, delaunay.cells, sample_count
+    )
     paired = np.flatnonzero(second >= 0)
-    is_pole = np.zeros(len(centres), dtype=bool)
-    is_pole[first[first >= 0]] = True
-    is_pole[second[paired]] = True
-    poles = np.flatnonzero(is_pole)
-    number = np.cumsum(is_pole) - 1
-    pairs = number[np.stack([first[paired], second[paired]], axis=1)]
-    samples = delaunay.cells[poles].astype(np.int64)
-    spacing, room = _native.sample_spacings(delaunay.sites, delaunay.cells, sample_count)
-    arms_of_poles = centres[poles] - delaunay.sites[samples[:, 0]]
+    samples = delaunay.cells[cells].astype(np.int64)
+    arms = centres - delaunay.sites[samples[:, 0]]
     return Poles(
         sites=delaunay.sites,
-        centres=centres[poles],
-        radii=np.linalg.norm(arms_of_poles, axis=1),
+        centres=centres,
+        radii=np.linalg.norm(arms, axis=1),
         samples=samples,
-        pairs=pairs,
+        pairs=np.stack([first[paired], second[paired]], axis=1).astype(np.int64),
         pair_samples=paired,
         outermost=(samples >= sample_count).any(axis=1)
-        | _beyond(centres[poles], delaunay.sites, sample_count),
+        | _beyond(centres, delaunay.sites, sample_count),
         spacing=spacing,
         room=room,
     )

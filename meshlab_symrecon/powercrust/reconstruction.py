@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Faces, Floats, Points, as_points
 from meshlab_symrecon.geometry.bounds import require_solid
 from meshlab_symrecon.geometry.surfaces import Topology, topology
@@ -147,6 +148,5 @@ def _normalised(points: Points) -> tuple[Points, Floats, float]:
     low, high = points.min(axis=0), points.max(axis=0)
     centre: Floats = 0.5 * (low + high)
     scale = float(2.0 ** -np.ceil(np.log2((high - low).max())))
-    moved = (points - centre) * scale
-    moved = moved[np.lexsort(moved.T[::-1])]
-    return moved[np.any(np.diff(moved, axis=0, prepend=np.inf) != 0.0, axis=1)], centre, scale
+    moved = (points - centre) * scale + 0.0  # no negative zeros
+    return moved[_native.lexicographic_order(moved)], centre, scale
