@@ -10,6 +10,7 @@ from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans
 from meshlab_symrecon.errors import GeometryError
 from meshlab_symrecon.geometry.triangulation import Triangulation
+from meshlab_symrecon.powercrust.handles import without_small_handles
 from meshlab_symrecon.powercrust.minimum_cut import corrected_by_cuts, path_costs
 from meshlab_symrecon.powercrust.pole_graph import (
     Intersections,
@@ -21,6 +22,7 @@ from meshlab_symrecon.powercrust.pole_graph import (
 from meshlab_symrecon.powercrust.poles import Poles
 from meshlab_symrecon.powercrust.progress import Progress, part
 from meshlab_symrecon.powercrust.propagation import propagated
+from meshlab_symrecon.powercrust.small_balls import relative_sizes
 
 __all__ = ["METHODS", "Labels", "label_poles"]
 
@@ -55,6 +57,7 @@ def label_poles(
     diagram: Triangulation,
     *,
     method: str = METHODS[0],
+    smallest_handle: float = 0.0,
     progress: Progress | None = None,
 ) -> Labels:
     """Tell inner poles from outer ones.
@@ -67,6 +70,9 @@ def label_poles(
     method : str
         One of `METHODS`: ``min cut`` weighs all evidence against each other and bears noise,
         outliers and holes; ``propagation`` is the greedy queue of the paper.
+    smallest_handle : float
+        In multiples of the local spacing: a handle without a ball of this size on its narrowest way
+        is cut or filled.
     progress : callable, optional
         Called with the share done, 0 to 1; what it raises stops the work.
 
@@ -84,7 +90,11 @@ def label_poles(
     across = opposites(poles, diagram.representative)
     decide = _by_minimum_cut if method == "min cut" else propagated
     inside, reached = decide(near, across, outer, progress=part(progress, GRAPH_DONE, 1.0))
-    inside, flipped = _without_small_pieces(poles, diagram, inside & reached & shown, outer)
+    inside &= reached & shown
+    if smallest_handle > 0.0:
+        sizes = relative_sizes(poles)
+        inside = without_small_handles(diagram, inside, outer, sizes, smallest_handle)
+    inside, flipped = _without_small_pieces(poles, diagram, inside, outer)
     return Labels(
         inside=inside[diagram.representative],
         unreached=int(np.count_nonzero(~reached & shown)),
