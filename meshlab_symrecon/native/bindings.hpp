@@ -6,5 +6,6 @@
 namespace symrecon {
 
 void bind_crust(nanobind::module_& module);
+void bind_surfaces(nanobind::module_& module);
 
 }  // namespace symrecon

@@ -125,4 +125,5 @@ NB_MODULE(_native, module) {
   module.def("power_test", &power_test_of, nb::arg("points"), nb::arg("weights"), nb::arg("stage") = int(all_stages));
   module.def("perturbed_power_test", &perturbed_power_test_of, nb::arg("points"), nb::arg("weights"));
   bind_crust(module);
+  bind_surfaces(module);
 }
