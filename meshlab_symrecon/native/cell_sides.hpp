@@ -35,6 +35,10 @@ class CellSides {
   std::vector<std::uint8_t> sides() && { return std::move(sides_); }
 
  private:
+  struct alignas(32) Corners {  // half a cache line: both are always needed
+    Quad site;
+    Quad across;  // the neighbour opposite each site
+  };
   using Chosen = std::vector<std::int32_t>;
 
   // A walk round an edge of a cell, from the corner `ahead` of the cell away from `behind`.
@@ -43,6 +47,7 @@ class CellSides {
   };
 
   bool movable(std::int32_t cell) const;  // has samples only for corners
+  bool is_disc(std::int32_t site) const;
   std::int32_t count_pinches(std::int32_t site);
   template <class Visit>
   void flood(std::int32_t site, std::int32_t first, Visit&& visit);
@@ -58,13 +63,13 @@ class CellSides {
   bool take_in(std::int32_t sample);
   std::int32_t next_cell(const Turn& turn) const;
   void step(Turn& turn, std::int32_t next) const;
+  bool has_pair(std::int32_t cell) const;
   bool can_exchange(std::int32_t cell) const;
   bool flattens(std::int32_t cell) const;
   double bend(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right) const;
 
   const std::vector<Position>& sites_;
-  const std::vector<Quad>& cells_;
-  const std::vector<Quad>& neighbours_;
+  std::vector<Corners> cells_;
   const std::int32_t samples_;
   std::vector<std::uint8_t> sides_;
   std::vector<std::int32_t> start_, around_;  // the cells round each sample
@@ -76,7 +81,7 @@ class CellSides {
 };
 
 inline bool CellSides::movable(std::int32_t cell) const {
-  const Quad& sites = cells_[cell];
+  const Quad& sites = cells_[cell].site;
   return sites[0] < samples_ && sites[1] < samples_ && sites[2] < samples_ && sites[3] < samples_;
 }
 

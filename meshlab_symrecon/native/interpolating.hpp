@@ -10,7 +10,7 @@
 namespace symrecon {
 
 // Which side of the surface a cell lies on.
-enum Side : std::uint8_t { outer_side = 0, inner_side = 1, unknown_side = 2 };
+enum Side : std::uint8_t { outer_side = 0, inner_side = 1 };
 
 // Polar balls, and what they say about the cells round their samples.
 struct PolarBalls {
@@ -22,7 +22,7 @@ struct PolarBalls {
 };
 
 // The side of every cell.  A cell with a site from `samples` on is outer.  A cell whose circumcentre
-// is a known pole takes its side; any other that of the ball to which its circumcentre has the least
+// is a pole takes its side; any other that of the ball to which its circumcentre has the least
 // power, among the polar balls of its samples.  Poles come in the order of their cells; throws
 // std::invalid_argument otherwise.
 std::vector<std::uint8_t> label_cells(const std::vector<Position>& sites,

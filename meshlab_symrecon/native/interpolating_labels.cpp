@@ -40,7 +40,7 @@ std::vector<std::uint8_t> label_cells(const std::vector<Position>& sites,
     const std::size_t own = next_pole;
     next_pole += is_pole;
     if (cell[0] >= samples || cell[1] >= samples || cell[2] >= samples || cell[3] >= samples) continue;
-    if (is_pole && balls.sides[own] != unknown_side) {
+    if (is_pole) {
       sides[number] = balls.sides[own];
       continue;
     }
@@ -48,7 +48,7 @@ std::vector<std::uint8_t> label_cells(const std::vector<Position>& sites,
     double least = std::numeric_limits<double>::infinity();
     for (const std::int32_t sample : cell)
       for (const std::int32_t pole : balls.of_sample[sample]) {
-        if (pole < 0 || balls.sides[pole] == unknown_side) continue;
+        if (pole < 0) continue;
         const Position reach = minus(centre, balls.centres[pole]);
         const double power = dot(reach, reach) - balls.radii[pole] * balls.radii[pole];
         if (power < least) {

@@ -9,21 +9,22 @@ CellSides::CellSides(const std::vector<Position>& sites, const std::vector<Quad>
                      const std::vector<Quad>& neighbours, std::int32_t samples,
                      std::vector<std::uint8_t> sides)
     : sites_(sites),
-      cells_(cells),
-      neighbours_(neighbours),
+      cells_(cells.size()),
       samples_(samples),
       sides_(std::move(sides)),
       start_(samples + 1, 0),
       pinches_(samples, 0),
       seen_(cells.size(), 0) {
-  for (const Quad& cell : cells_)
-    for (const std::int32_t site : cell)
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+    cells_[cell] = {cells[cell], neighbours[cell]};
+    for (const std::int32_t site : cells[cell])
       if (site < samples_) ++start_[site + 1];
+  }
   for (std::int32_t site = 0; site < samples_; ++site) start_[site + 1] += start_[site];
   around_.resize(start_[samples_]);
   std::vector<std::int32_t> place(start_.begin(), start_.end() - 1);
   for (std::size_t cell = 0; cell < cells_.size(); ++cell)
-    for (const std::int32_t site : cells_[cell])
+    for (const std::int32_t site : cells_[cell].site)
       if (site < samples_) around_[place[site]++] = static_cast<std::int32_t>(cell);
 }
 
@@ -37,19 +38,53 @@ void CellSides::flood(std::int32_t site, std::int32_t first, Visit&& visit) {
     stack_.pop_back();
     visit(cell);
     for (int k = 0; k < 4; ++k) {
-      const std::int32_t next = neighbours_[cell][k];
-      if (cells_[cell][k] == site || sides_[next] != sides_[cell] || seen_[next] == stamp_) continue;
+      const std::int32_t next = cells_[cell].across[k];
+      if (cells_[cell].site[k] == site || sides_[next] != sides_[cell] || seen_[next] == stamp_) continue;
       seen_[next] = stamp_;
       stack_.push_back(next);
     }
   }
 }
 
+// Are the boundary triangles round a sample one fan?  Quicker than counting pieces, and nearly always
+// true; false also for fans of more triangles than there is room for.
+bool CellSides::is_disc(std::int32_t site) const {
+  constexpr int kRoom = 32;
+  std::int32_t ends[kRoom][2];  // of the edges opposite the sample
+  int count = 0;
+  for (std::int32_t i = start_[site]; i < start_[site + 1]; ++i) {
+    const std::int32_t cell = around_[i];
+    if (sides_[cell] != inner_side) continue;
+    const Corners& corners = cells_[cell];
+    for (int k = 0; k < 4; ++k) {
+      if (corners.site[k] == site || sides_[corners.across[k]] == inner_side) continue;
+      if (count == kRoom) return false;
+      int found = 0;
+      for (int other = 0; other < 4; ++other)
+        if (other != k && corners.site[other] != site) ends[count][found++] = corners.site[other];
+      ++count;
+    }
+  }
+  int at = 0, steps = 0;
+  if (count == 0) return true;
+  std::int32_t end = ends[0][1];
+  do {  // along the edges, each end of which has one other edge
+    int next = -1;
+    for (int other = 0; other < count; ++other) {
+      if (other == at || (ends[other][0] != end && ends[other][1] != end)) continue;
+      if (next >= 0) return false;
+      next = other;
+    }
+    end = ends[next][0] == end ? ends[next][1] : ends[next][0];
+    at = next;
+    ++steps;
+  } while (at != 0);
+  return steps == count;
+}
+
 std::int32_t CellSides::count_pinches(std::int32_t site) {
+  if (is_disc(site)) return 0;
   const std::int32_t begin = start_[site], end = start_[site + 1];
-  bool has[2] = {false, false};
-  for (std::int32_t i = begin; i < end; ++i) has[sides_[around_[i]]] = true;
-  if (!has[0] || !has[1]) return 0;
   ++stamp_;
   std::int32_t pieces = 0;
   for (std::int32_t i = begin; i < end; ++i) {
@@ -145,14 +180,14 @@ void CellSides::turn(const Chosen& chosen) {
 void CellSides::collect_touched(const Chosen& chosen) {
   touched_.clear();
   for (const std::int32_t cell : chosen)
-    for (const std::int32_t site : cells_[cell])
+    for (const std::int32_t site : cells_[cell].site)
       if (site < samples_) touched_.push_back(site);
   std::sort(touched_.begin(), touched_.end());
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
 }
 
 double CellSides::facet_area(std::int32_t cell, int corner) const {
-  const Quad& s = cells_[cell];
+  const Quad& s = cells_[cell].site;
   const Position &a = sites_[s[(corner + 1) % 4]], &b = sites_[s[(corner + 2) % 4]];
   const Position& c = sites_[s[(corner + 3) % 4]];
   const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
@@ -166,7 +201,7 @@ double CellSides::growth(const Chosen& chosen) const {
   double gain = 0.0;
   for (const std::int32_t cell : chosen)
     for (int k = 0; k < 4; ++k) {
-      const std::int32_t next = neighbours_[cell][k];
+      const std::int32_t next = cells_[cell].across[k];
       if (sides_[next] != sides_[cell]) {
         gain -= facet_area(cell, k);
       } else if (std::find(chosen.begin(), chosen.end(), next) == chosen.end()) {
@@ -191,7 +226,7 @@ bool CellSides::keep_pieces_from(std::int64_t smallest, Side side) {
     for (std::size_t reached = 0; reached < piece.size(); ++reached) {
       const std::int32_t cell = piece[reached];
       free = free && movable(cell);
-      for (const std::int32_t next : neighbours_[cell]) {
+      for (const std::int32_t next : cells_[cell].across) {
         if (next < 0) continue;
         if (sides_[next] != side) {
           ++facets;

@@ -10,6 +10,9 @@ namespace {
 // A sample is taken into a boundary triangle that does not grow more than this.
 constexpr double kMostGrowth = 1.0;  // areas of the triangle: a peak of half its width, at most
 
+// The edges of a cell, each followed by the other two corners.
+constexpr int kEdges[6][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 2, 0, 3}, {1, 3, 2, 0}, {2, 3, 0, 1}};
+
 constexpr double kRounding = 1e-9;  // of the bend: what flattens more than this cannot repeat
 
 }  // namespace
@@ -18,14 +21,15 @@ constexpr double kRounding = 1e-9;  // of the bend: what flattens more than this
 // boundary a manifold, because nothing else of it comes near the sample.
 bool CellSides::take_in(std::int32_t sample) {
   const std::uint8_t side = sides_[around_[start_[sample]]];
+  for (std::int32_t i = start_[sample]; i < start_[sample + 1]; ++i)
+    if (sides_[around_[i]] != side) return false;
   std::int32_t best = -1;
   double least = kMostGrowth;
   for (std::int32_t i = start_[sample]; i < start_[sample + 1]; ++i) {
     const std::int32_t cell = around_[i];
-    if (sides_[cell] != side) return false;
     int corner = 0;
-    while (cells_[cell][corner] != sample) ++corner;
-    if (!movable(cell) || sides_[neighbours_[cell][corner]] == side) continue;
+    while (cells_[cell].site[corner] != sample) ++corner;
+    if (!movable(cell) || sides_[cells_[cell].across[corner]] == side) continue;
     const double facet = facet_area(cell, corner);
     double sum = -facet;
     for (int k = 0; k < 4; ++k)
@@ -50,32 +54,36 @@ void CellSides::take_in_samples() {
 
 std::int32_t CellSides::next_cell(const Turn& turn) const {
   int out = 0;
-  while (cells_[turn.cell][out] != turn.behind) ++out;
-  return neighbours_[turn.cell][out];
+  while (cells_[turn.cell].site[out] != turn.behind) ++out;
+  return cells_[turn.cell].across[out];
 }
 
 void CellSides::step(Turn& turn, std::int32_t next) const {
   turn.behind = turn.ahead;
-  for (const std::int32_t site : cells_[next])
+  for (const std::int32_t site : cells_[next].site)
     if (site != turn.from && site != turn.to && site != turn.behind) turn.ahead = site;
   turn.cell = next;
 }
 
-// Two triangles of the cell are on the boundary, and the edge that the other two share is not.
+// Are two triangles of the cell on the boundary?
+bool CellSides::has_pair(std::int32_t cell) const {
+  int own = 0;
+  for (const std::int32_t next : cells_[cell].across) own += next >= 0 && sides_[next] == sides_[cell];
+  return own == 2 && movable(cell);
+}
+
+// Is the edge that the other two triangles of the cell share free of the boundary?
 bool CellSides::can_exchange(std::int32_t cell) const {
-  if (!movable(cell)) return false;
+  if (!has_pair(cell)) return false;
   std::int32_t own[4], other[4];
   int owned = 0, others = 0;
   for (int k = 0; k < 4; ++k) {
-    if (sides_[neighbours_[cell][k]] == sides_[cell]) {
-      own[owned++] = cells_[cell][k];
+    if (sides_[cells_[cell].across[k]] == sides_[cell]) {
+      own[owned++] = cells_[cell].site[k];
     } else {
-      other[others++] = cells_[cell][k];
+      other[others++] = cells_[cell].site[k];
     }
   }
-  if (owned != 2) return false;
-  for (const std::int32_t site : cells_[cell])
-    if (pinches_[site] > 0) return false;
   Turn turn{other[0], other[1], cell, own[0], own[1]};
   do {
     const std::int32_t next = next_cell(turn);
@@ -85,7 +93,8 @@ bool CellSides::can_exchange(std::int32_t cell) const {
   return true;
 }
 
-// Length of an edge times the angle by which the triangles to its left and right are out of plane.
+// Length of an edge times the sine of half the angle by which the triangles to its left and right are
+// out of plane.
 double CellSides::bend(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right) const {
   const Position& origin = sites_[from];
   double edge[3], l[3], r[3], square = 0.0, along_l = 0.0, along_r = 0.0;
@@ -105,8 +114,8 @@ double CellSides::bend(std::int32_t from, std::int32_t to, std::int32_t left, st
     lr += x * y;
   }
   const double lengths = std::sqrt(ll * rr);
-  if (!(lengths > 0.0)) return std::sqrt(square) * std::acos(-1.0);  // a triangle without area
-  return std::sqrt(square) * std::acos(std::max(-1.0, std::min(1.0, -lr / lengths)));
+  const double cosine = lengths > 0.0 ? -lr / lengths : -1.0;  // a triangle without area bends most
+  return std::sqrt(square * std::max(0.0, 0.5 - 0.5 * cosine));
 }
 
 // Does turning over an exchangeable cell lessen the boundary's total bend?
@@ -114,10 +123,10 @@ bool CellSides::flattens(std::int32_t cell) const {
   std::int32_t own[2], other[2];
   int owned = 0, others = 0;
   for (int k = 0; k < 4; ++k) {
-    if (sides_[neighbours_[cell][k]] == sides_[cell]) {
-      own[owned++] = cells_[cell][k];
+    if (sides_[cells_[cell].across[k]] == sides_[cell]) {
+      own[owned++] = cells_[cell].site[k];
     } else {
-      other[others++] = cells_[cell][k];
+      other[others++] = cells_[cell].site[k];
     }
   }
   double before = bend(own[0], own[1], other[0], other[1]);
@@ -135,15 +144,27 @@ bool CellSides::flattens(std::int32_t cell) const {
 
 void CellSides::smooth() {
   std::deque<std::int32_t> waiting;
-  for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(cells_.size()); ++cell)
-    if (can_exchange(cell)) waiting.push_back(cell);
+  std::vector<std::uint8_t> queued(cells_.size(), 0);
+  const auto wait = [&](std::int32_t cell) {
+    if (queued[cell] || !has_pair(cell)) return;
+    queued[cell] = 1;
+    waiting.push_back(cell);
+  };
+  for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(cells_.size()); ++cell) wait(cell);
   while (!waiting.empty()) {
     const std::int32_t cell = waiting.front();
     waiting.pop_front();
+    queued[cell] = 0;
     if (!can_exchange(cell) || !flattens(cell)) continue;
     sides_[cell] ^= 1;
-    for (const std::int32_t next : neighbours_[cell])
-      if (can_exchange(next)) waiting.push_back(next);
+    const Quad& site = cells_[cell].site;
+    for (const auto& edge : kEdges) {  // where the boundary bends otherwise now
+      Turn turn{site[edge[0]], site[edge[1]], cell, site[edge[2]], site[edge[3]]};
+      for (std::int32_t next = next_cell(turn); next != cell; next = next_cell(turn)) {
+        step(turn, next);
+        wait(next);
+      }
+    }
   }
 }
 
@@ -155,9 +176,8 @@ std::vector<std::uint8_t> settle_sides(const std::vector<Position>& sites, const
       for (const std::int32_t site : cells[cell])
         if (site >= samples) throw std::invalid_argument("an inner cell with a corner that is no sample");
   CellSides partition(sites, cells, neighbours, samples, std::move(sides));
-  partition.turn_small_pieces(smallest);
   partition.resolve_pinches();
-  partition.turn_small_pieces(smallest);  // what came off
+  partition.turn_small_pieces(smallest);
   partition.take_in_samples();
   partition.smooth();
   return std::move(partition).sides();

@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Faces, Indices, Points
@@ -22,7 +23,6 @@ from meshlab_symrecon.powercrust.poles import Poles
 __all__ = ["InterpolatingSurface", "interpolating_faces"]
 
 SMALLEST_PIECE = 0.005  # share of the samples; a smaller island or bubble is noise
-UNKNOWN = 2  # side of a pole that the power diagram hides
 FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # outward, opposite each corner
 
 
@@ -91,8 +91,9 @@ def interpolating_faces(
     sides = _native.settle_sides(
         poles.sites, voronoi.cells, voronoi.neighbours, samples, sides, smallest
     )
-    cell, corner = np.nonzero((sides[voronoi.neighbours] == 0) & (sides == 1)[:, None])
-    corners = voronoi.cells[cell[:, None], FACETS[corner]]
+    inner = np.flatnonzero(sides)
+    cell, corner = np.nonzero(sides[voronoi.neighbours[inner]] == 0)
+    corners = voronoi.cells[inner[cell, None], FACETS[corner]]
     used = np.zeros(samples, dtype=bool)
     used[corners] = True
     return InterpolatingSurface(
@@ -103,17 +104,23 @@ def interpolating_faces(
     )
 
 
-def _sides_of_poles(
-    poles: Poles, diagram: Triangulation, inside: Booleans
-) -> np.ndarray[tuple[int], np.dtype[np.uint8]]:
-    """Return (p,) 1 for inner, 0 for outer poles; 2 for those without a power cell to judge by."""
+def _sides_of_poles(poles: Poles, diagram: Triangulation, inside: Booleans) -> NDArray[np.uint8]:
+    """Return (p,) 1 for inner and 0 for outer poles.
+
+    A pole without a power cell, which cannot be told apart by its own evidence, takes the side of
+    the one whose ball covers it most.
+    """
     sides = inside.astype(np.uint8)
-    sides[diagram.hidden[diagram.representative]] = UNKNOWN
+    hidden = np.flatnonzero(diagram.hidden[diagram.representative])
+    round_it = diagram.cells[diagram.hidden_cell[diagram.representative[hidden]]]
+    reach = poles.centres[round_it] - poles.centres[hidden, None]
+    powers = np.einsum("ijk,ijk->ij", reach, reach) - poles.radii[round_it] ** 2
+    sides[hidden] = sides[round_it[np.arange(len(hidden)), powers.argmin(axis=1)]]
     sides[poles.outermost] = 0
     return sides
 
 
-def _poles_of_samples(poles: Poles) -> np.ndarray[tuple[int, int], np.dtype[np.int32]]:
+def _poles_of_samples(poles: Poles) -> NDArray[np.int32]:
     """Return (n, 2) the poles of every sample, -1 where it has none."""
     of_sample = np.full((poles.sample_count, 2), -1, dtype=np.int32)
     of_sample[poles.pair_samples] = poles.pairs
