@@ -65,7 +65,7 @@ class CellSides {
   void step(Turn& turn, std::int32_t next) const;
   bool has_pair(std::int32_t cell) const;
   bool can_exchange(std::int32_t cell) const;
-  bool flattens(std::int32_t cell) const;
+  double flattening(std::int32_t cell) const;
   double bend(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right) const;
 
   const std::vector<Position>& sites_;

@@ -1,6 +1,7 @@
 #include <cmath>
-#include <deque>
+#include <queue>
 #include <stdexcept>
+#include <utility>
 
 #include "cell_sides.hpp"
 
@@ -118,8 +119,8 @@ double CellSides::bend(std::int32_t from, std::int32_t to, std::int32_t left, st
   return std::sqrt(square * std::max(0.0, 0.5 - 0.5 * cosine));
 }
 
-// Does turning over an exchangeable cell lessen the boundary's total bend?
-bool CellSides::flattens(std::int32_t cell) const {
+// By how much turning over an exchangeable cell lessens the boundary's total bend; 0 when it does not.
+double CellSides::flattening(std::int32_t cell) const {
   std::int32_t own[2], other[2];
   int owned = 0, others = 0;
   for (int k = 0; k < 4; ++k) {
@@ -139,30 +140,33 @@ bool CellSides::flattens(std::int32_t cell) const {
       before += bend(own[i], other[j], turn.ahead, own[1 - i]);
       after += bend(own[i], other[j], turn.ahead, other[1 - j]);
     }
-  return after < before * (1.0 - kRounding);
+  return after < before * (1.0 - kRounding) ? before - after : 0.0;
 }
 
 void CellSides::smooth() {
-  std::deque<std::int32_t> waiting;
-  std::vector<std::uint8_t> queued(cells_.size(), 0);
+  // the greatest gain first, so that the result does not depend on the order of the cells
+  std::priority_queue<std::pair<double, std::int32_t>> waiting;
+  std::vector<double> gains(cells_.size(), 0.0);
   const auto wait = [&](std::int32_t cell) {
-    if (queued[cell] || !has_pair(cell)) return;
-    queued[cell] = 1;
-    waiting.push_back(cell);
+    const double gain = can_exchange(cell) ? flattening(cell) : 0.0;
+    if (gain > 0.0 && gain != gains[cell]) waiting.push({gain, cell});
+    gains[cell] = gain;
   };
   for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(cells_.size()); ++cell) wait(cell);
   while (!waiting.empty()) {
-    const std::int32_t cell = waiting.front();
-    waiting.pop_front();
-    queued[cell] = 0;
-    if (!can_exchange(cell) || !flattens(cell)) continue;
+    const auto [gain, cell] = waiting.top();
+    waiting.pop();
+    if (gain != gains[cell]) continue;  // something near has changed since
     sides_[cell] ^= 1;
+    gains[cell] = 0.0;
+    seen_[cell] = ++stamp_;
     const Quad& site = cells_[cell].site;
     for (const auto& edge : kEdges) {  // where the boundary bends otherwise now
       Turn turn{site[edge[0]], site[edge[1]], cell, site[edge[2]], site[edge[3]]};
       for (std::int32_t next = next_cell(turn); next != cell; next = next_cell(turn)) {
         step(turn, next);
-        wait(next);
+        if (seen_[next] != stamp_) wait(next);
+        seen_[next] = stamp_;
       }
     }
   }
