@@ -59,3 +59,11 @@ def settle_sides(
     sides: NDArray[np.uint8],
     smallest: int,
 ) -> NDArray[np.uint8]: ...
+def power_shape(
+    cells: NDArray[np.int32],
+    neighbours: NDArray[np.int32],
+    part: NDArray[np.uint8],
+    centres: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    redundancy: float,
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]: ...

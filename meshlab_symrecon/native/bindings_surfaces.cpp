@@ -1,4 +1,4 @@
-// numpy borders of the surface through the samples.
+// numpy borders of the surface through the samples, and of the medial axis.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
@@ -6,6 +6,7 @@
 
 #include "bindings.hpp"
 #include "interpolating.hpp"
+#include "power_shape.hpp"
 
 namespace nb = nanobind;
 
@@ -35,6 +36,13 @@ nb::ndarray<nb::numpy, T> give(std::vector<T>&& values) {
   auto* owner = new std::vector<T>(std::move(values));
   nb::capsule release(owner, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
   return nb::ndarray<nb::numpy, T>(owner->data(), {owner->size()}, release);
+}
+
+template <typename T, typename Item>
+nb::ndarray<nb::numpy, T> give_rows(std::vector<Item>&& values) {
+  auto* owner = new std::vector<Item>(std::move(values));
+  nb::capsule release(owner, [](void* p) noexcept { delete static_cast<std::vector<Item>*>(p); });
+  return nb::ndarray<nb::numpy, T>(owner->data(), {owner->size(), sizeof(Item) / sizeof(T)}, release);
 }
 
 }  // namespace
@@ -71,6 +79,22 @@ void bind_surfaces(nb::module_& module) {
       },
       nb::arg("sites"), nb::arg("cells"), nb::arg("neighbours"), nb::arg("samples"), nb::arg("sides"),
       nb::arg("smallest"), "Sides of cells whose boundary is a smooth manifold.");
+  module.def(
+      "power_shape",
+      [](Rows<std::int32_t> cells, Rows<std::int32_t> neighbours, Row<std::uint8_t> part,
+         Rows<double> centres, Row<double> radii, double redundancy) {
+        PowerShape shape;
+        {
+          nb::gil_scoped_release release;
+          shape = power_shape(rows<Quad>(cells), rows<Quad>(neighbours), row(part),
+                              rows<Position>(centres), row(radii), redundancy);
+        }
+        return nb::make_tuple(give(std::move(shape.absorber)),
+                              give_rows<std::int32_t>(std::move(shape.edges)),
+                              give_rows<std::int32_t>(std::move(shape.faces)));
+      },
+      nb::arg("cells"), nb::arg("neighbours"), nb::arg("part"), nb::arg("centres"), nb::arg("radii"),
+      nb::arg("redundancy"), "Absorber of each pole, edges and triangles between poles of one part.");
 }
 
 }  // namespace symrecon
