@@ -140,3 +140,29 @@ def turn_small_pieces(
 def surface_topology(
     faces: NDArray[np.int32], vertex_count: int
 ) -> tuple[int, int, int, int, int, int, int, NDArray[np.int32]]: ...
+def label_cells(
+    sites: NDArray[np.float64],
+    cells: NDArray[np.int32],
+    samples: int,
+    centres: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    on_balls: NDArray[np.int32],
+    sides: NDArray[np.uint8],
+    of_sample: NDArray[np.int32],
+) -> NDArray[np.uint8]: ...
+def settle_sides(
+    sites: NDArray[np.float64],
+    cells: NDArray[np.int32],
+    neighbours: NDArray[np.int32],
+    samples: int,
+    sides: NDArray[np.uint8],
+    smallest: int,
+) -> NDArray[np.uint8]: ...
+def power_shape(
+    cells: NDArray[np.int32],
+    neighbours: NDArray[np.int32],
+    part: NDArray[np.uint8],
+    centres: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    redundancy: float,
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]: ...

@@ -171,4 +171,5 @@ NB_MODULE(_native, module) {
   bind_crust(module);
   bind_noise(module);
   bind_labels(module);
+  bind_surfaces(module);
 }

@@ -1,0 +1,100 @@
+// numpy borders of the surface through the samples, and of the medial axis.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <cstring>
+
+#include "bindings.hpp"
+#include "interpolating.hpp"
+#include "power_shape.hpp"
+
+namespace nb = nanobind;
+
+namespace symrecon {
+namespace {
+
+template <typename T>
+using Rows = nb::ndarray<const T, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+template <typename T>
+using Row = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+template <typename Item, typename T>
+std::vector<Item> rows(const Rows<T>& array) {
+  if (array.shape(1) * sizeof(T) != sizeof(Item)) throw std::invalid_argument("wrong row width");
+  std::vector<Item> items(array.shape(0));
+  std::memcpy(items.data(), array.data(), items.size() * sizeof(Item));
+  return items;
+}
+
+template <typename T>
+std::vector<T> row(const Row<T>& array) {
+  return std::vector<T>(array.data(), array.data() + array.shape(0));
+}
+
+template <typename T>
+nb::ndarray<nb::numpy, T> give(std::vector<T>&& values) {
+  auto* owner = new std::vector<T>(std::move(values));
+  nb::capsule release(owner, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nb::ndarray<nb::numpy, T>(owner->data(), {owner->size()}, release);
+}
+
+template <typename T, typename Item>
+nb::ndarray<nb::numpy, T> give_rows(std::vector<Item>&& values) {
+  auto* owner = new std::vector<Item>(std::move(values));
+  nb::capsule release(owner, [](void* p) noexcept { delete static_cast<std::vector<Item>*>(p); });
+  return nb::ndarray<nb::numpy, T>(owner->data(), {owner->size(), sizeof(Item) / sizeof(T)}, release);
+}
+
+}  // namespace
+
+void bind_surfaces(nb::module_& module) {
+  module.def(
+      "label_cells",
+      [](Rows<double> sites, Rows<std::int32_t> cells, std::int32_t samples,
+         Rows<double> centres, Row<double> radii, Rows<std::int32_t> on_balls,
+         Row<std::uint8_t> sides, Rows<std::int32_t> of_sample) {
+        std::vector<std::uint8_t> found;
+        {
+          nb::gil_scoped_release release;
+          found = label_cells(rows<Position>(sites), rows<Quad>(cells), samples,
+                              {rows<Position>(centres), row(radii), rows<Quad>(on_balls), row(sides),
+                               rows<std::array<std::int32_t, 2>>(of_sample)});
+        }
+        return give(std::move(found));
+      },
+      nb::arg("sites"), nb::arg("cells"), nb::arg("samples"), nb::arg("centres"),
+      nb::arg("radii"), nb::arg("on_balls"), nb::arg("sides"), nb::arg("of_sample"),
+      "The side (0 outer, 1 inner) of each cell, from its pole or the polar balls of its samples.");
+  module.def(
+      "settle_sides",
+      [](Rows<double> sites, Rows<std::int32_t> cells, Rows<std::int32_t> neighbours,
+         std::int32_t samples, Row<std::uint8_t> sides, std::int64_t smallest) {
+        std::vector<std::uint8_t> settled;
+        {
+          nb::gil_scoped_release release;
+          settled = settle_sides(rows<Position>(sites), rows<Quad>(cells), rows<Quad>(neighbours),
+                                 samples, row(sides), smallest);
+        }
+        return give(std::move(settled));
+      },
+      nb::arg("sites"), nb::arg("cells"), nb::arg("neighbours"), nb::arg("samples"), nb::arg("sides"),
+      nb::arg("smallest"), "Sides of cells whose boundary is a smooth manifold.");
+  module.def(
+      "power_shape",
+      [](Rows<std::int32_t> cells, Rows<std::int32_t> neighbours, Row<std::uint8_t> part,
+         Rows<double> centres, Row<double> radii, double redundancy) {
+        PowerShape shape;
+        {
+          nb::gil_scoped_release release;
+          shape = power_shape(rows<Quad>(cells), rows<Quad>(neighbours), row(part),
+                              rows<Position>(centres), row(radii), redundancy);
+        }
+        return nb::make_tuple(give(std::move(shape.absorber)),
+                              give_rows<std::int32_t>(std::move(shape.edges)),
+                              give_rows<std::int32_t>(std::move(shape.faces)));
+      },
+      nb::arg("cells"), nb::arg("neighbours"), nb::arg("part"), nb::arg("centres"), nb::arg("radii"),
+      nb::arg("redundancy"), "Absorber of each pole, edges and triangles between poles of one part.");
+}
+
+}  // namespace symrecon

@@ -1,0 +1,88 @@
+// The cells of a Delaunay triangulation on two sides of a surface, and moves that change it.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "interpolating.hpp"
+
+namespace symrecon {
+
+// The boundary between the sides runs through the samples.  The cells round a sample cut a small
+// sphere into triangles; the boundary is a disc there exactly when the triangles of either side are
+// connected through their edges.  Every further piece is a pinch.
+class CellSides {
+ public:
+  CellSides(const std::vector<Position>& sites, const std::vector<Quad>& cells,
+            const std::vector<Quad>& neighbours, std::int32_t samples, std::vector<std::uint8_t> sides);
+
+  // Remove all pinches: turn over single cells, or all cells of a piece round a sample, whichever
+  // removes most.  The sum of pinches falls with every step, so this ends.  Where no such step is
+  // left, inner cells give way.
+  void resolve_pinches();
+
+  // Turn over pieces with fewer than `smallest` boundary facets, inner ones first, but not the
+  // largest inner piece, nor outer ones on the hull.
+  void turn_small_pieces(std::int64_t smallest);
+
+  // Bring samples just off the boundary onto it.
+  void take_in_samples();
+
+  // Exchange two boundary triangles of a cell for its other two where that bends the boundary less.
+  void smooth();
+
+  std::vector<std::uint8_t> sides() && { return std::move(sides_); }
+
+ private:
+  struct alignas(32) Corners {  // half a cache line: both are always needed
+    Quad site;
+    Quad across;  // the neighbour opposite each site
+  };
+  using Chosen = std::vector<std::int32_t>;
+
+  // A walk round an edge of a cell, from the corner `ahead` of the cell away from `behind`.
+  struct Turn {
+    std::int32_t from, to, cell, behind, ahead;
+  };
+
+  bool movable(std::int32_t cell) const;  // has samples only for corners
+  bool is_disc(std::int32_t site) const;
+  std::int32_t count_pinches(std::int32_t site);
+  template <class Visit>
+  void flood(std::int32_t site, std::int32_t first, Visit&& visit);
+  void collect_candidates(std::int32_t site);
+  void resolve(bool erode);
+  bool improve(std::int32_t site, bool erode);
+  bool clear(std::int32_t site);
+  void turn(const Chosen& chosen);
+  void collect_touched(const Chosen& chosen);
+  double growth(const Chosen& chosen) const;
+  bool keep_pieces_from(std::int64_t smallest, Side side);
+  double facet_area(std::int32_t cell, int corner) const;
+  bool take_in(std::int32_t sample);
+  std::int32_t next_cell(const Turn& turn) const;
+  void step(Turn& turn, std::int32_t next) const;
+  bool has_pair(std::int32_t cell) const;
+  bool can_exchange(std::int32_t cell) const;
+  double flattening(std::int32_t cell) const;
+  double bend(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right) const;
+
+  const std::vector<Position>& sites_;
+  std::vector<Corners> cells_;
+  const std::int32_t samples_;
+  std::vector<std::uint8_t> sides_;
+  std::vector<std::int32_t> start_, around_;  // the cells round each sample
+  std::vector<std::int32_t> pinches_;         // of each sample
+  std::vector<std::uint32_t> seen_;
+  std::uint32_t stamp_ = 0;
+  std::vector<std::int32_t> stack_, touched_;
+  std::vector<Chosen> candidates_;
+};
+
+inline bool CellSides::movable(std::int32_t cell) const {
+  const Quad& sites = cells_[cell].site;
+  return sites[0] < samples_ && sites[1] < samples_ && sites[2] < samples_ && sites[3] < samples_;
+}
+
+}  // namespace symrecon
