@@ -13,7 +13,7 @@ namespace symrecon {
 enum Side : std::uint8_t { outer_side = 0, inner_side = 1 };
 
 // Polar balls, and what they say about the cells round their samples.
-struct PolarBalls {
+struct LabelledBalls {
   std::vector<Position> centres;
   std::vector<double> radii;
   std::vector<Quad> samples;  // on each ball, as in the cell whose circumcentre is the pole
@@ -27,7 +27,7 @@ struct PolarBalls {
 // std::invalid_argument otherwise.
 std::vector<std::uint8_t> label_cells(const std::vector<Position>& sites,
                                       const std::vector<Quad>& cells, std::int32_t samples,
-                                      const PolarBalls& balls);
+                                      const LabelledBalls& balls);
 
 // Sides whose boundary is a manifold, changed for that as little as need be, without pieces of
 // fewer than `smallest` facets, and then as smooth as exchanges of triangles make it.  Cells with a

@@ -31,7 +31,7 @@ Position circumcentre(const Position& origin, const Position& a, const Position&
 
 std::vector<std::uint8_t> label_cells(const std::vector<Position>& sites,
                                       const std::vector<Quad>& cells, std::int32_t samples,
-                                      const PolarBalls& balls) {
+                                      const LabelledBalls& balls) {
   std::vector<std::uint8_t> sides(cells.size(), outer_side);
   std::size_t next_pole = 0;
   for (std::size_t number = 0; number < cells.size(); ++number) {
