@@ -26,7 +26,8 @@ class Clusters {
         local_(positions.size(), -1),
         after_(positions.size(), -1),
         seen_(offsets.size() - 1, -1),
-        at_sample_(positions.size(), 0) {
+        at_sample_(positions.size(), 0),
+        base_(offsets.size() - 1) {
     std::iota(representative_.begin(), representative_.end(), 0);
     for (std::size_t polygon = 0; polygon + 1 < offsets.size(); ++polygon)
       for (std::int32_t place = offsets[polygon]; place < offsets[polygon + 1]; ++place) {
@@ -35,6 +36,7 @@ class Clusters {
         while (around[slot] >= 0) ++slot;
         around[slot] = static_cast<std::int32_t>(polygon);
       }
+    choose_bases();
   }
 
   bool is_at_sample(std::int32_t vertex) const {
@@ -76,6 +78,10 @@ class Clusters {
     return member;
   }
 
+  void choose_bases();
+  std::int32_t after(std::int32_t polygon, std::int32_t place) const {
+    return place + 1 == offsets_[polygon + 1] ? offsets_[polygon] : place + 1;
+  }
   void gather(const std::vector<std::int32_t>& members);
   void join_parts(const std::vector<std::int32_t>& members);
   bool shrink(const std::vector<std::int32_t>& members, bool moves);
@@ -91,12 +97,31 @@ class Clusters {
   std::vector<std::int32_t> after_;  // of the vertices round it: the next one
   std::vector<std::int32_t> seen_;   // the last set that each polygon was met in
   std::vector<std::uint8_t> at_sample_;
+  std::vector<std::int32_t> base_;  // of each polygon: where the corner stands from which it is fanned
   std::int32_t sets_ = 0;
   // of the set at hand
   std::vector<std::int32_t> parent_, parts_;
   std::vector<Link> links_;
   std::int64_t inner_sides_ = 0, inner_faces_ = 0;
 };
+
+// Fans start at a sample, else at the corner nearest to its own.  Which one depends on the surface only, not
+// on the order of the corners: of several samples it is the one whose other vertices are the farthest.
+void Clusters::choose_bases() {
+  std::vector<float> rank(positions_.size()), spread(samples_.spacing.size(), 0.0f);
+  for (std::size_t vertex = 0; vertex < rank.size(); ++vertex) {
+    const Position gap = minus(positions_[vertex], samples_.positions[nearest_[vertex]]);
+    rank[vertex] = static_cast<float>(dot(gap, gap));
+    spread[nearest_[vertex]] += rank[vertex];
+  }
+  for (std::size_t vertex = 0; vertex < rank.size(); ++vertex)
+    if (rank[vertex] == 0.0f) rank[vertex] = -spread[nearest_[vertex]];
+  for (std::size_t polygon = 0; polygon < base_.size(); ++polygon) {
+    base_[polygon] = offsets_[polygon];
+    for (std::int32_t place = offsets_[polygon] + 1; place < offsets_[polygon + 1]; ++place)
+      if (rank[corners_[place]] < rank[corners_[base_[polygon]]]) base_[polygon] = place;
+  }
+}
 
 // Count the triangles and edges inside a set, list the edges opposite to it, and find its connected parts.
 void Clusters::gather(const std::vector<std::int32_t>& members) {
@@ -114,11 +139,12 @@ void Clusters::gather(const std::vector<std::int32_t>& members) {
     for (const std::int32_t polygon : polygons_[vertex]) {
       if (polygon < 0 || seen_[polygon] == sets_) continue;
       seen_[polygon] = sets_;
-      const std::int32_t first = corners_[offsets_[polygon]];
+      const std::int32_t first = corners_[base_[polygon]];
       const std::int32_t first_local = local_[first];
-      std::int32_t b = corners_[offsets_[polygon] + 1], b_local = local_[b];
-      for (std::int32_t i = offsets_[polygon] + 2; i < offsets_[polygon + 1]; ++i) {
-        const std::int32_t c = corners_[i], c_local = local_[c];
+      std::int32_t place = after(polygon, base_[polygon]);
+      std::int32_t b = corners_[place], b_local = local_[b];
+      while ((place = after(polygon, place)) != base_[polygon]) {
+        const std::int32_t c = corners_[place], c_local = local_[c];
         const int within = (first_local >= 0) + (b_local >= 0) + (c_local >= 0);
         if (within == 1) {
           const Link link = first_local >= 0 ? Link{b, c} : b_local >= 0 ? Link{c, first} : Link{first, b};
@@ -228,13 +254,16 @@ SampledSurface Clusters::surface() const {
     }
     return number[vertex];
   };
-  for (std::size_t polygon = 0; polygon + 1 < offsets_.size(); ++polygon) {
-    const std::int32_t first = representative_[corners_[offsets_[polygon]]];
-    for (std::int32_t i = offsets_[polygon] + 1; i + 1 < offsets_[polygon + 1]; ++i) {
-      const std::int32_t b = representative_[corners_[i]], c = representative_[corners_[i + 1]];
-      if (first == b || b == c || c == first) continue;
-      const std::int32_t one = numbered(first), two = numbered(b), three = numbered(c);
-      result.faces.push_back({one, two, three});
+  for (std::int32_t polygon = 0; polygon < static_cast<std::int32_t>(base_.size()); ++polygon) {
+    const std::int32_t first = representative_[corners_[base_[polygon]]];
+    std::int32_t place = after(polygon, base_[polygon]), b = representative_[corners_[place]];
+    while ((place = after(polygon, place)) != base_[polygon]) {
+      const std::int32_t c = representative_[corners_[place]];
+      if (first != b && b != c && c != first) {
+        const std::int32_t one = numbered(first), two = numbered(b), three = numbered(c);
+        result.faces.push_back({one, two, three});
+      }
+      b = c;
     }
   }
   return result;
