@@ -5,6 +5,7 @@
 
 #include "crust.hpp"
 #include "half_edges.hpp"
+#include "position_table.hpp"
 #include "vectors.hpp"
 
 namespace symrecon {
@@ -15,6 +16,7 @@ constexpr double kSteepest = 0.2;    // cosine: a face may turn by 78 degrees at
 constexpr double kReach = 2.0;       // spacings: longer edges are not contracted
 constexpr int kTries = 4;            // edges tried at a vertex, the shortest first
 constexpr double kStepAside = 0.01;  // of the way to the mean of the neighbours
+constexpr int kSteps = 8;            // aside, at the most
 constexpr int kRounds = 2;           // of asking neighbours for their nearest samples
 constexpr float kDone = -1.0f;
 constexpr double kTurned = std::numeric_limits<double>::infinity();
@@ -228,24 +230,25 @@ void Contraction::join_coincident() {
   } while (doubled.size() < before);
 }
 
-// Vertices that could not be joined at their sample: all but the first move a little towards their
-// neighbours, so that no reader joins them and pinches the surface.
+// Vertices at one place that could not be joined: all but the first, a sample if there is one, move a
+// little towards their neighbours, so that no reader joins them and pinches the surface.
 void Contraction::part_coincident() {
-  std::vector<std::int32_t> first(samples_.spacing.size(), -1);
-  for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
-    if (!halves_.exists(vertex) || !is_at_sample(vertex)) continue;
-    std::int32_t& keeper = first[nearest_[vertex]];
-    if (keeper < 0) {
-      keeper = vertex;
-      continue;
+  PositionTable table(points_.size());
+  std::vector<std::int32_t> doubled;
+  for (const bool samples : {true, false})
+    for (std::int32_t vertex = 0; vertex < count(); ++vertex)
+      if (halves_.exists(vertex) && is_at_sample(vertex) == samples && !table.enter(points_, vertex))
+        doubled.push_back(vertex);
+  for (const std::int32_t vertex : doubled)
+    for (int step = 0; step < kSteps; ++step) {
+      walk(vertex);
+      for (int axis = 0; axis < 3; ++axis) {
+        double sum = 0.0;
+        for (const Spoke& spoke : spokes_) sum += spoke.tip[axis];
+        points_[vertex][axis] += kStepAside * (sum / static_cast<double>(spokes_.size()) - points_[vertex][axis]);
+      }
+      if (table.enter(points_, vertex)) break;
     }
-    walk(vertex);
-    for (int axis = 0; axis < 3; ++axis) {
-      double sum = 0.0;
-      for (const Spoke& spoke : spokes_) sum += spoke.tip[axis];
-      points_[vertex][axis] += kStepAside * (sum / static_cast<double>(spokes_.size()) - points_[vertex][axis]);
-    }
-  }
 }
 
 SampledSurface Contraction::surface() const {
