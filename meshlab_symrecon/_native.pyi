@@ -41,8 +41,6 @@ def join_at_samples(
     offsets: NDArray[np.int32],
     corners: NDArray[np.int32],
     samples: NDArray[np.float64],
-    spacing: NDArray[np.float64],
-    weld: float,
     progress: Callable[[float], object] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
 def contract_edges(

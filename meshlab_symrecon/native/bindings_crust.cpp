@@ -111,19 +111,18 @@ void bind_crust(nb::module_& module) {
   module.def(
       "join_at_samples",
       [](Rows<double> positions, Row<std::int32_t> nearest, Row<std::int32_t> offsets,
-         Row<std::int32_t> corners, Rows<double> samples, Row<double> spacing, double weld,
-         const nb::object& progress) {
+         Row<std::int32_t> corners, Rows<double> samples, const nb::object& progress) {
         const Progress report = reporter(progress);
         SampledSurface surface;
         {
           nb::gil_scoped_release release;
           surface = join_at_samples(view_rows<Position>(positions), view_row(nearest), view_row(offsets), view_row(corners),
-                                    {view_rows<Position>(samples), view_row(spacing)}, weld, report);
+                                    view_rows<Position>(samples), report);
         }
         return give_surface(std::move(surface));
       },
       nb::arg("positions"), nb::arg("nearest"), nb::arg("offsets"), nb::arg("corners"),
-      nb::arg("samples"), nb::arg("spacing"), nb::arg("weld"), nb::arg("progress") = nb::none(),
+      nb::arg("samples"), nb::arg("progress") = nb::none(),
       "Triangulate polygons and join what lies at a sample: points, faces, nearest samples.");
   module.def(
       "contract_edges",

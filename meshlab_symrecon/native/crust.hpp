@@ -60,11 +60,11 @@ struct SampledSurface {
   std::vector<Triangle> faces;
 };
 
-// Triangulate polygons and put the vertices within `weld` spacings of a sample at that sample, as one
-// vertex, where they form a disc and the triangles round it stay a surface.
+// Triangulate polygons and make one vertex of those at a sample, where they form a disc and the
+// triangles round it stay a surface.
 SampledSurface join_at_samples(View<Position> positions, View<std::int32_t> nearest,
                                View<std::int32_t> offsets, View<std::int32_t> corners,
-                               const Samples& samples, double weld, const Progress& progress);
+                               View<Position> samples, const Progress& progress);
 
 // How far edges are contracted, in spacings of the sample next to a vertex.
 struct Leanness {

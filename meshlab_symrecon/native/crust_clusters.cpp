@@ -9,7 +9,6 @@ namespace symrecon {
 namespace {
 
 constexpr std::size_t kVerticesPerReport = 1 << 14;
-constexpr double kSteepest = 0.2;  // cosine between a triangle at a joined vertex and their mean
 
 // Joins sets of vertices of a polygon surface, each polygon taken as a fan from its first corner.
 //
@@ -19,14 +18,14 @@ constexpr double kSteepest = 0.2;  // cosine between a triangle at a joined vert
 class Clusters {
  public:
   Clusters(View<Position> positions, View<std::int32_t> nearest, View<std::int32_t> offsets,
-           View<std::int32_t> corners, const Samples& samples)
+           View<std::int32_t> corners, View<Position> samples)
       : positions_(positions), nearest_(nearest), offsets_(offsets), corners_(corners), samples_(samples),
         polygons_(positions.size(), Quad{-1, -1, -1, -1}),
         representative_(positions.size()),
         local_(positions.size(), -1),
         after_(positions.size(), -1),
         seen_(offsets.size() - 1, -1),
-        at_sample_(positions.size(), 0) {
+        base_(offsets.size() - 1) {
     std::iota(representative_.begin(), representative_.end(), 0);
     for (std::size_t polygon = 0; polygon + 1 < offsets.size(); ++polygon)
       for (std::int32_t place = offsets[polygon]; place < offsets[polygon + 1]; ++place) {
@@ -35,25 +34,10 @@ class Clusters {
         while (around[slot] >= 0) ++slot;
         around[slot] = static_cast<std::int32_t>(polygon);
       }
+    choose_bases();
   }
 
-  bool is_at_sample(std::int32_t vertex) const {
-    return positions_[vertex] == samples_.positions[nearest_[vertex]];
-  }
-
-  // Join the vertices near one sample: all of them, or else those at the sample.
-  void join(std::vector<std::int32_t>& members) {
-    gather(members);
-    if (parts_.size() == 1) {
-      if (!shrink(members, true)) {
-        keep_at_sample(members);
-        join_parts(members);
-      }
-      return;
-    }
-    join_parts(members);
-  }
-
+  void join(const Progress& progress);
   SampledSurface surface() const;
 
  private:
@@ -61,42 +45,53 @@ class Clusters {
     std::int32_t start, end;
   };
 
-  void keep_at_sample(std::vector<std::int32_t>& members) const {
-    members.erase(std::remove_if(members.begin(), members.end(),
-                                 [&](std::int32_t vertex) { return !is_at_sample(vertex); }),
-                  members.end());
-  }
-
-  const Position& place(std::int32_t vertex) const {
-    return at_sample_[vertex] ? samples_.positions[nearest_[vertex]] : positions_[vertex];
-  }
-
   std::int32_t find(std::int32_t member) {
     while (parent_[member] != member) member = parent_[member] = parent_[parent_[member]];
     return member;
   }
 
+  void choose_bases();
+  std::int32_t after(std::int32_t polygon, std::int32_t place) const {
+    return place + 1 == offsets_[polygon + 1] ? offsets_[polygon] : place + 1;
+  }
   void gather(const std::vector<std::int32_t>& members);
-  void join_parts(const std::vector<std::int32_t>& members);
-  bool shrink(const std::vector<std::int32_t>& members, bool moves);
+  void join_set(const std::vector<std::int32_t>& members);
+  void shrink(const std::vector<std::int32_t>& members);
   bool is_ring();
-  bool faces_one_way(const Position& centre) const;
 
   View<Position> positions_;
   View<std::int32_t> nearest_, offsets_, corners_;
-  Samples samples_;
+  View<Position> samples_;
   std::vector<Quad> polygons_;  // round each vertex: three or four
   std::vector<std::int32_t> representative_;
   std::vector<std::int32_t> local_;  // of the vertices of the set at hand: their places in it
   std::vector<std::int32_t> after_;  // of the vertices round it: the next one
   std::vector<std::int32_t> seen_;   // the last set that each polygon was met in
-  std::vector<std::uint8_t> at_sample_;
+  std::vector<std::int32_t> base_;  // of each polygon: where the corner stands from which it is fanned
   std::int32_t sets_ = 0;
   // of the set at hand
   std::vector<std::int32_t> parent_, parts_;
   std::vector<Link> links_;
   std::int64_t inner_sides_ = 0, inner_faces_ = 0;
 };
+
+// Fans start at a sample, else at the corner nearest to its own.  Which one depends on the surface only, not
+// on the order of the corners: of several samples it is the one whose other vertices are the farthest.
+void Clusters::choose_bases() {
+  std::vector<float> rank(positions_.size()), spread(samples_.size(), 0.0f);
+  for (std::size_t vertex = 0; vertex < rank.size(); ++vertex) {
+    const Position gap = minus(positions_[vertex], samples_[nearest_[vertex]]);
+    rank[vertex] = static_cast<float>(dot(gap, gap));
+    spread[nearest_[vertex]] += rank[vertex];
+  }
+  for (std::size_t vertex = 0; vertex < rank.size(); ++vertex)
+    if (rank[vertex] == 0.0f) rank[vertex] = -spread[nearest_[vertex]];
+  for (std::size_t polygon = 0; polygon < base_.size(); ++polygon) {
+    base_[polygon] = offsets_[polygon];
+    for (std::int32_t place = offsets_[polygon] + 1; place < offsets_[polygon + 1]; ++place)
+      if (rank[corners_[place]] < rank[corners_[base_[polygon]]]) base_[polygon] = place;
+  }
+}
 
 // Count the triangles and edges inside a set, list the edges opposite to it, and find its connected parts.
 void Clusters::gather(const std::vector<std::int32_t>& members) {
@@ -114,11 +109,12 @@ void Clusters::gather(const std::vector<std::int32_t>& members) {
     for (const std::int32_t polygon : polygons_[vertex]) {
       if (polygon < 0 || seen_[polygon] == sets_) continue;
       seen_[polygon] = sets_;
-      const std::int32_t first = corners_[offsets_[polygon]];
+      const std::int32_t first = corners_[base_[polygon]];
       const std::int32_t first_local = local_[first];
-      std::int32_t b = corners_[offsets_[polygon] + 1], b_local = local_[b];
-      for (std::int32_t i = offsets_[polygon] + 2; i < offsets_[polygon + 1]; ++i) {
-        const std::int32_t c = corners_[i], c_local = local_[c];
+      std::int32_t place = after(polygon, base_[polygon]);
+      std::int32_t b = corners_[place], b_local = local_[b];
+      while ((place = after(polygon, place)) != base_[polygon]) {
+        const std::int32_t c = corners_[place], c_local = local_[c];
         const int within = (first_local >= 0) + (b_local >= 0) + (c_local >= 0);
         if (within == 1) {
           const Link link = first_local >= 0 ? Link{b, c} : b_local >= 0 ? Link{c, first} : Link{first, b};
@@ -145,22 +141,20 @@ void Clusters::gather(const std::vector<std::int32_t>& members) {
     if (find(static_cast<std::int32_t>(i)) == static_cast<std::int32_t>(i)) parts_.push_back(static_cast<std::int32_t>(i));
 }
 
-// Several parts: each that touches the sample becomes a vertex of its own.
-void Clusters::join_parts(const std::vector<std::int32_t>& members) {
-  if (members.empty()) return;
+// The vertices at one sample, each connected part for itself.
+void Clusters::join_set(const std::vector<std::int32_t>& members) {
+  if (members.size() < 2) return;
   gather(members);
-  if (parts_.size() == 1) {
-    shrink(members, false);
-    return;
-  }
+  if (parts_.size() == 1) return shrink(members);
   std::vector<std::vector<std::int32_t>> sets(parts_.size());
-  for (std::size_t i = 0; i < members.size(); ++i)
-    sets[std::lower_bound(parts_.begin(), parts_.end(), find(static_cast<std::int32_t>(i))) - parts_.begin()].push_back(members[i]);
-  for (std::vector<std::int32_t>& set : sets) {
-    keep_at_sample(set);
-    if (set.empty()) continue;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const std::int32_t part = find(static_cast<std::int32_t>(i));
+    sets[std::lower_bound(parts_.begin(), parts_.end(), part) - parts_.begin()].push_back(members[i]);
+  }
+  for (const std::vector<std::int32_t>& set : sets) {
+    if (set.size() < 2) continue;
     gather(set);
-    if (parts_.size() == 1) shrink(set, false);
+    shrink(set);
   }
 }
 
@@ -182,33 +176,28 @@ bool Clusters::is_ring() {
   return distinct && vertex == links_.front().start && steps == links_.size();
 }
 
-bool Clusters::faces_one_way(const Position& centre) const {
-  Position mean{0.0, 0.0, 0.0};
-  const auto normal = [&](const Link& link) {
-    return cross(minus(place(link.start), centre), minus(place(link.end), centre));
-  };
-  for (const Link& link : links_) {
-    const Position n = normal(link);
-    for (int axis = 0; axis < 3; ++axis) mean[axis] += n[axis];
-  }
-  const double least = kSteepest * kSteepest * dot(mean, mean);
-  for (const Link& link : links_) {
-    const Position n = normal(link);
-    const double along = dot(n, mean);
-    if (!(along > 0.0) || along * along < least * dot(n, n)) return false;
-  }
-  return true;
+// The connected set gathered last becomes one vertex, if it can.
+void Clusters::shrink(const std::vector<std::int32_t>& members) {
+  const std::int64_t euler = static_cast<std::int64_t>(members.size()) - inner_sides_ / 2 + inner_faces_;
+  if (euler != 1 || !is_ring()) return;
+  for (const std::int32_t vertex : members) representative_[vertex] = members.front();
 }
 
-// The set gathered last becomes one vertex at its sample, if it can.
-bool Clusters::shrink(const std::vector<std::int32_t>& members, bool moves) {
-  const std::int64_t euler = static_cast<std::int64_t>(members.size()) - inner_sides_ / 2 + inner_faces_;
-  if (euler != 1 || !is_ring()) return false;
-  if (moves && !faces_one_way(samples_.positions[nearest_[members.front()]])) return false;
-  const std::int32_t kept = *std::min_element(members.begin(), members.end());
-  for (const std::int32_t vertex : members) representative_[vertex] = kept;
-  at_sample_[kept] = 1;
-  return true;
+// The vertices at each sample as linked lists in rising order; sets in the order of their first vertices.
+void Clusters::join(const Progress& progress) {
+  std::vector<std::int32_t> first(samples_.size(), -1), next(positions_.size(), -1), members;
+  for (std::size_t vertex = positions_.size(); vertex-- > 0;)
+    if (positions_[vertex] == samples_[nearest_[vertex]]) {
+      next[vertex] = first[nearest_[vertex]];
+      first[nearest_[vertex]] = static_cast<std::int32_t>(vertex);
+    }
+  for (std::size_t vertex = 0; vertex < positions_.size(); ++vertex) {
+    if (vertex % kVerticesPerReport == 0 && progress) progress(double(vertex) / double(positions_.size()));
+    if (first[nearest_[vertex]] != static_cast<std::int32_t>(vertex)) continue;
+    members.clear();
+    for (std::int32_t member = first[nearest_[vertex]]; member >= 0; member = next[member]) members.push_back(member);
+    join_set(members);
+  }
 }
 
 SampledSurface Clusters::surface() const {
@@ -223,18 +212,21 @@ SampledSurface Clusters::surface() const {
   const auto numbered = [&](std::int32_t vertex) {
     if (number[vertex] < 0) {
       number[vertex] = static_cast<std::int32_t>(result.points.size());
-      result.points.push_back(place(vertex));
+      result.points.push_back(positions_[vertex]);
       result.nearest.push_back(nearest_[vertex]);
     }
     return number[vertex];
   };
-  for (std::size_t polygon = 0; polygon + 1 < offsets_.size(); ++polygon) {
-    const std::int32_t first = representative_[corners_[offsets_[polygon]]];
-    for (std::int32_t i = offsets_[polygon] + 1; i + 1 < offsets_[polygon + 1]; ++i) {
-      const std::int32_t b = representative_[corners_[i]], c = representative_[corners_[i + 1]];
-      if (first == b || b == c || c == first) continue;
-      const std::int32_t one = numbered(first), two = numbered(b), three = numbered(c);
-      result.faces.push_back({one, two, three});
+  for (std::int32_t polygon = 0; polygon < static_cast<std::int32_t>(base_.size()); ++polygon) {
+    const std::int32_t first = representative_[corners_[base_[polygon]]];
+    std::int32_t place = after(polygon, base_[polygon]), b = representative_[corners_[place]];
+    while ((place = after(polygon, place)) != base_[polygon]) {
+      const std::int32_t c = representative_[corners_[place]];
+      if (first != b && b != c && c != first) {
+        const std::int32_t one = numbered(first), two = numbered(b), three = numbered(c);
+        result.faces.push_back({one, two, three});
+      }
+      b = c;
     }
   }
   return result;
@@ -244,27 +236,9 @@ SampledSurface Clusters::surface() const {
 
 SampledSurface join_at_samples(View<Position> positions, View<std::int32_t> nearest,
                                View<std::int32_t> offsets, View<std::int32_t> corners,
-                               const Samples& samples, double weld, const Progress& progress) {
+                               View<Position> samples, const Progress& progress) {
   Clusters clusters(positions, nearest, offsets, corners, samples);
-  const auto is_near = [&](std::size_t vertex) {
-    const Position gap = minus(positions[vertex], samples.positions[nearest[vertex]]);
-    const double most = weld * samples.spacing[nearest[vertex]];
-    return dot(gap, gap) <= most * most;
-  };
-  // The vertices near each sample as linked lists, in rising order.
-  std::vector<std::int32_t> first(samples.spacing.size(), -1), next(positions.size(), -1), members;
-  for (std::size_t vertex = positions.size(); vertex-- > 0;)
-    if (is_near(vertex)) {
-      next[vertex] = first[nearest[vertex]];
-      first[nearest[vertex]] = static_cast<std::int32_t>(vertex);
-    }
-  for (std::size_t vertex = 0; vertex < positions.size(); ++vertex) {
-    if (vertex % kVerticesPerReport == 0 && progress) progress(double(vertex) / double(positions.size()));
-    if (first[nearest[vertex]] != static_cast<std::int32_t>(vertex)) continue;
-    members.clear();
-    for (std::int32_t member = first[nearest[vertex]]; member >= 0; member = next[member]) members.push_back(member);
-    clusters.join(members);
-  }
+  clusters.join(progress);
   return clusters.surface();
 }
 

@@ -5,6 +5,7 @@
 
 #include "crust.hpp"
 #include "half_edges.hpp"
+#include "position_table.hpp"
 #include "vectors.hpp"
 
 namespace symrecon {
@@ -15,6 +16,9 @@ constexpr double kSteepest = 0.2;    // cosine: a face may turn by 78 degrees at
 constexpr double kReach = 2.0;       // spacings: longer edges are not contracted
 constexpr int kTries = 4;            // edges tried at a vertex, the shortest first
 constexpr double kStepAside = 0.01;  // of the way to the mean of the neighbours
+constexpr int kSteps = 8;            // aside, at the most
+constexpr int kRounds = 2;           // of asking neighbours for their nearest samples
+constexpr float kDone = -1.0f;
 constexpr double kTurned = std::numeric_limits<double>::infinity();
 
 class Contraction {
@@ -49,6 +53,7 @@ class Contraction {
   void walk(std::int32_t hub);
   bool link_condition(std::int32_t kept) const;
   double shift(std::int32_t hub, const Spoke& kept) const;
+  std::int32_t earlier(std::int32_t hub) const;
   bool remove(std::int32_t hub);
   bool join_at(std::int32_t hub);
 
@@ -59,6 +64,7 @@ class Contraction {
   HalfEdges halves_;
   std::vector<std::int32_t> stamps_;  // the last walk that met a vertex
   std::vector<float> moved_;          // how far the surface has moved at a vertex
+  std::vector<float> turn_;           // when a vertex may go, kDone once it has had its turn
   std::int32_t walks_ = 0;
   std::vector<Spoke> spokes_;  // of the last walk
 };
@@ -114,9 +120,8 @@ double Contraction::shift(std::int32_t hub, const Spoke& kept) const {
   return std::sqrt(most);
 }
 
-// Contract one edge at a vertex to its other end, if that is short or leaves the surface in place.
+// Contract one edge at a vertex (walked last) to its other end, if that is short or leaves the surface in place.
 bool Contraction::remove(std::int32_t hub) {
-  walk(hub);
   const double spacing = samples_.spacing[nearest_[hub]];
   const double reach = kReach * spacing, weld = leanness_.weld * spacing;
   const double allowed = leanness_.flat * spacing - static_cast<double>(moved_[hub]);
@@ -137,10 +142,42 @@ bool Contraction::remove(std::int32_t hub) {
   return false;
 }
 
+// The neighbour (of the last walk) whose turn comes first, if that is before the hub's; else -1.
+std::int32_t Contraction::earlier(std::int32_t hub) const {
+  std::int32_t first = hub;
+  for (const Spoke& spoke : spokes_)
+    if (turn_[spoke.vertex] < turn_[first] || (turn_[spoke.vertex] == turn_[first] && spoke.vertex < first))
+      if (turn_[spoke.vertex] != kDone) first = spoke.vertex;
+  return first == hub ? -1 : first;
+}
+
+// Vertices go in the order of their distance from their sample, in spacings, as far as neighbours see:
+// the result depends on the surface only, not on the order of its vertices, and memory is read in order.
 void Contraction::thin_out(const Progress& progress) {
+  turn_.assign(points_.size(), kDone);
+  for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
+    if (!halves_.exists(vertex) || is_at_sample(vertex)) continue;
+    const Position gap = minus(points_[vertex], samples_.positions[nearest_[vertex]]);
+    const double spacing = samples_.spacing[nearest_[vertex]];
+    turn_[vertex] = static_cast<float>(dot(gap, gap) / (spacing * spacing));
+  }
+  std::vector<std::int32_t> waiting;
   for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
     if (vertex % kVerticesPerReport == 0 && progress) progress(double(vertex) / double(count()));
-    if (halves_.exists(vertex) && !is_at_sample(vertex)) remove(vertex);
+    if (turn_[vertex] == kDone) continue;
+    waiting.push_back(vertex);
+    while (!waiting.empty()) {
+      const std::int32_t hub = waiting.back();
+      walk(hub);
+      const std::int32_t first = earlier(hub);
+      if (first >= 0) {
+        waiting.push_back(first);
+        continue;
+      }
+      waiting.pop_back();
+      turn_[hub] = kDone;
+      remove(hub);
+    }
   }
 }
 
@@ -152,6 +189,27 @@ bool Contraction::join_at(std::int32_t hub) {
       return true;
     }
   return false;
+}
+
+// Let vertices try the samples of their neighbours.
+void settle_nearest(SampledSurface& surface, const Samples& samples) {
+  std::vector<double> squared(surface.points.size());
+  const auto gap = [&](std::int32_t vertex, std::int32_t sample) {
+    const Position side = minus(surface.points[vertex], samples.positions[sample]);
+    return dot(side, side);
+  };
+  for (std::size_t vertex = 0; vertex < squared.size(); ++vertex)
+    squared[vertex] = gap(static_cast<std::int32_t>(vertex), surface.nearest[vertex]);
+  for (int round = 0; round < kRounds; ++round)
+    for (const Triangle& face : surface.faces)
+      for (int k = 0; k < 3; ++k) {
+        const std::int32_t vertex = face[k], sample = surface.nearest[face[(k + 1) % 3]];
+        if (squared[vertex] == 0.0 || sample == surface.nearest[vertex]) continue;
+        const double other = gap(vertex, sample);
+        if (other > squared[vertex] || (other == squared[vertex] && sample > surface.nearest[vertex])) continue;
+        squared[vertex] = other;
+        surface.nearest[vertex] = sample;
+      }
 }
 
 // Vertices at one sample that do not form a disc: edge by edge, again and again, since an edge that is
@@ -172,24 +230,25 @@ void Contraction::join_coincident() {
   } while (doubled.size() < before);
 }
 
-// Vertices that could not be joined at their sample: all but the first move a little towards their
-// neighbours, so that no reader joins them and pinches the surface.
+// Vertices at one place that could not be joined: all but the first, a sample if there is one, move a
+// little towards their neighbours, so that no reader joins them and pinches the surface.
 void Contraction::part_coincident() {
-  std::vector<std::int32_t> first(samples_.spacing.size(), -1);
-  for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
-    if (!halves_.exists(vertex) || !is_at_sample(vertex)) continue;
-    std::int32_t& keeper = first[nearest_[vertex]];
-    if (keeper < 0) {
-      keeper = vertex;
-      continue;
+  PositionTable table(points_.size());
+  std::vector<std::int32_t> doubled;
+  for (const bool samples : {true, false})
+    for (std::int32_t vertex = 0; vertex < count(); ++vertex)
+      if (halves_.exists(vertex) && is_at_sample(vertex) == samples && !table.enter(points_, vertex))
+        doubled.push_back(vertex);
+  for (const std::int32_t vertex : doubled)
+    for (int step = 0; step < kSteps; ++step) {
+      walk(vertex);
+      for (int axis = 0; axis < 3; ++axis) {
+        double sum = 0.0;
+        for (const Spoke& spoke : spokes_) sum += spoke.tip[axis];
+        points_[vertex][axis] += kStepAside * (sum / static_cast<double>(spokes_.size()) - points_[vertex][axis]);
+      }
+      if (table.enter(points_, vertex)) break;
     }
-    walk(vertex);
-    for (int axis = 0; axis < 3; ++axis) {
-      double sum = 0.0;
-      for (const Spoke& spoke : spokes_) sum += spoke.tip[axis];
-      points_[vertex][axis] += kStepAside * (sum / static_cast<double>(spokes_.size()) - points_[vertex][axis]);
-    }
-  }
 }
 
 SampledSurface Contraction::surface() const {
@@ -225,7 +284,9 @@ SampledSurface contract_edges(View<Position> points, View<Triangle> faces, View<
   contraction.join_coincident();
   contraction.thin_out(progress);
   contraction.part_coincident();
-  return contraction.surface();
+  SampledSurface result = contraction.surface();
+  settle_nearest(result, samples);
+  return result;
 }
 
 }  // namespace symrecon

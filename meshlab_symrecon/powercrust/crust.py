@@ -86,7 +86,7 @@ def crust_faces(
     )
     del cells
     points, faces, nearest = _native.join_at_samples(
-        vertices, nearest, offsets, corners, samples, spacing, WELD, _part(progress, 0.5, 0.7)
+        vertices, nearest, offsets, corners, samples, _part(progress, 0.5, 0.7)
     )
     del vertices, offsets, corners
     points, faces, nearest = _native.contract_edges(
