@@ -72,14 +72,13 @@ struct Nearest {
   }
 
   void offer(std::int32_t other, double distance) {
-    if (distance > square[3]) return;
-    int place = 0;
-    for (; place < 4 && square[place] <= distance; ++place)
-      if (who[place] == other) return;
-    if (place == 4) return;
-    for (int k = 3; k > place; --k) {
-      square[k] = square[k - 1];
-      who[k] = who[k - 1];
+    // one branch, nearly always taken: an edge is offered by each of the cells round it
+    const bool known = (who[0] == other) | (who[1] == other) | (who[2] == other) | (who[3] == other);
+    if (known | !(distance < square[3])) return;
+    int place = 3;
+    for (; place > 0 && distance < square[place - 1]; --place) {
+      square[place] = square[place - 1];
+      who[place] = who[place - 1];
     }
     square[place] = distance;
     who[place] = other;
