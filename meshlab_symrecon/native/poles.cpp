@@ -92,23 +92,22 @@ FoundPoles find_poles(const std::vector<Site>& sites, const Quad* cells, std::si
   std::vector<Search> searches(samples);
   const std::vector<Point> centres = find_first(sites, cells, cell_count, searches);
   find_second(sites, cells, centres, searches);
-  std::vector<std::int32_t> number(cell_count, -1);
-  for (const Search& search : searches) {
-    if (search.first >= 0) number[search.first] = 0;
-    if (search.second >= 0) number[search.second] = 0;
-  }
   FoundPoles poles;
-  for (std::size_t i = 0; i < cell_count; ++i) {
-    if (number[i] < 0) continue;
-    number[i] = std::int32_t(poles.cells.size());
-    poles.cells.push_back(std::int32_t(i));
-    poles.centres.push_back(centres[i]);
-  }
+  std::vector<std::int32_t> number(cell_count, -1);
+  const auto pole_of = [&](std::int32_t cell) {
+    if (cell < 0) return std::int32_t(-1);
+    if (number[cell] < 0) {
+      number[cell] = std::int32_t(poles.cells.size());
+      poles.cells.push_back(cell);
+      poles.centres.push_back(centres[cell]);
+    }
+    return number[cell];
+  };
   poles.first.reserve(samples);
   poles.second.reserve(samples);
   for (const Search& search : searches) {
-    poles.first.push_back(search.first < 0 ? -1 : number[search.first]);
-    poles.second.push_back(search.second < 0 ? -1 : number[search.second]);
+    poles.first.push_back(pole_of(search.first));
+    poles.second.push_back(pole_of(search.second));
   }
   return poles;
 }

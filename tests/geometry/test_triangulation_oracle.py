@@ -1,8 +1,8 @@
 """Triangulations against CGAL's on hundreds of small inputs (about 4 seconds).
 
-Ties may be broken differently, but the balls of the cells are unique: both triangulations divide the
-same polyhedra, one for each empty ball. So the sets of balls must be equal, and wherever no two of
-our cells share a ball and no hidden site touches one, the sets of cells as well.
+Ties may be broken differently, but the balls of the cells are unique: both triangulations divide
+the same polyhedra, one for each empty ball. So the sets of balls must be equal, and wherever no two
+of our cells share a ball and no hidden site touches one, the sets of cells as well.
 """
 
 from __future__ import annotations
