@@ -64,11 +64,11 @@ bool has_fma() {
 #endif
 }
 
-double fine_power_determinant(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e, bool fma) {
+double fine_power_determinant(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e, bool fused) {
 #if defined(SYMRECON_WITH_FMA)
-  if (fma) return power_determinant_by_fma(a, b, c, d, e);
+  if (fused) return power_determinant_by_fma(a, b, c, d, e);
 #endif
-  (void)fma;
+  (void)fused;
   return power_determinant_by_splitting(a, b, c, d, e);
 }
 

@@ -150,6 +150,12 @@ int power_test_of(const PointArray& points, const FloatArray& weights, int stage
   return power_test(s[0], s[1], s[2], s[3], s[4], margins);
 }
 
+double fine_power_determinant_of(const PointArray& points, const FloatArray& weights, bool fused) {
+  if (points.shape(0) != 5) throw std::invalid_argument("five points are needed");
+  const std::vector<Site> s = gather(points, weights);
+  return fine_power_determinant(s[0], s[1], s[2], s[3], s[4], fused && has_fma());
+}
+
 int perturbed_power_test_of(const PointArray& points, const FloatArray& weights) {
   if (points.shape(0) != 5) throw std::invalid_argument("five points are needed");
   const std::vector<Site> s = gather(points, weights);
@@ -167,6 +173,7 @@ NB_MODULE(_native, module) {
   module.def("lexicographic_order", &lexicographic_order_of, nb::arg("points"));
   module.def("orientation", &orientation_of, nb::arg("points"), nb::arg("stage") = int(all_stages));
   module.def("power_test", &power_test_of, nb::arg("points"), nb::arg("weights"), nb::arg("stage") = int(all_stages));
+  module.def("fine_power_determinant", &fine_power_determinant_of, nb::arg("points"), nb::arg("weights"), nb::arg("fused"));
   module.def("perturbed_power_test", &perturbed_power_test_of, nb::arg("points"), nb::arg("weights"));
   bind_crust(module);
   bind_noise(module);

@@ -70,14 +70,13 @@ struct Nearest {
   }
 
   void offer(std::int32_t other, double distance) {
-    if (distance > square[3]) return;
-    int place = 0;
-    for (; place < 4 && square[place] <= distance; ++place)
-      if (who[place] == other) return;
-    if (place == 4) return;
-    for (int k = 3; k > place; --k) {
-      square[k] = square[k - 1];
-      who[k] = who[k - 1];
+    // one branch, nearly always taken: an edge is offered by each of the cells round it
+    const bool known = (who[0] == other) | (who[1] == other) | (who[2] == other) | (who[3] == other);
+    if (known | !(distance < square[3])) return;
+    int place = 3;
+    for (; place > 0 && distance < square[place - 1]; --place) {
+      square[place] = square[place - 1];
+      who[place] = who[place - 1];
     }
     square[place] = distance;
     who[place] = other;
@@ -91,23 +90,22 @@ FoundPoles find_poles(const std::vector<Site>& sites, const Quad* cells, std::si
   std::vector<Search> searches(samples);
   const std::vector<Point> centres = find_first(sites, cells, cell_count, searches);
   find_second(sites, cells, centres, searches);
-  std::vector<std::int32_t> number(cell_count, -1);
-  for (const Search& search : searches) {
-    if (search.first >= 0) number[search.first] = 0;
-    if (search.second >= 0) number[search.second] = 0;
-  }
   FoundPoles poles;
-  for (std::size_t i = 0; i < cell_count; ++i) {
-    if (number[i] < 0) continue;
-    number[i] = std::int32_t(poles.cells.size());
-    poles.cells.push_back(std::int32_t(i));
-    poles.centres.push_back(centres[i]);
-  }
+  std::vector<std::int32_t> number(cell_count, -1);
+  const auto pole_of = [&](std::int32_t cell) {
+    if (cell < 0) return std::int32_t(-1);
+    if (number[cell] < 0) {
+      number[cell] = std::int32_t(poles.cells.size());
+      poles.cells.push_back(cell);
+      poles.centres.push_back(centres[cell]);
+    }
+    return number[cell];
+  };
   poles.first.reserve(samples);
   poles.second.reserve(samples);
   for (const Search& search : searches) {
-    poles.first.push_back(search.first < 0 ? -1 : number[search.first]);
-    poles.second.push_back(search.second < 0 ? -1 : number[search.second]);
+    poles.first.push_back(pole_of(search.first));
+    poles.second.push_back(pole_of(search.second));
   }
   return poles;
 }

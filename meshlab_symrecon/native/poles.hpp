@@ -11,7 +11,7 @@
 
 namespace symrecon {
 
-// The poles of samples, each once, in the order of their cells.
+// The poles of samples, each once, in the order of the samples: no matter in which order the cells come.
 struct FoundPoles {
   std::vector<std::int32_t> cells;  // per pole: the cell whose circumcentre it is
   std::vector<Point> centres;

@@ -18,9 +18,11 @@
 // permanent P. The computed bounds P' of the permanents pass through fewer than 18 roundings, hence P <= P' (1 + 19 u),
 // and 10 u and 20 u bound both effects and the rounding of the bound itself. For the power test P' is 24 terms times the
 // largest |x|, |y|, |z| and lift: coarser than the permanent but half the work, and what it leaves undecided is rare.
-// In double-doubles the differences are exact; a product costs 8 u^2 and a sum 8 u^2 (double_double.hpp):
-//   minor xy 16, minor xyz 16 + 8 + 16 = 40, lift 8 + 24 = 32, power test 40 + 32 + 8 + 16 = 96 u^2, and 40 u^2 for
-// the orientation; 64 u^2 and 128 u^2 leave room for the permanent.
+// The fine stages carry the error of every operation along. The orientation uses double-doubles (double_double.hpp): the
+// differences are exact, a product costs 8 u^2 and a sum 8 u^2, so
+//   minor xy 16, minor xyz 16 + 8 + 16 = 40 u^2; 64 u^2 leaves room for the permanent.
+// The power test, the one that fails the first stage eight times per pole, uses cheaper pairs in four lanes
+// (paired_lanes.hpp): 253 u^2, as counted in fine_stage.cpp; 256 u^2 leaves room for the permanent and terms in u^3.
 // Underflow: one product may lose up to 2^-1074, multiplied later by at most a lift and a difference. Margins::safe
 // states the size of input for which the margins below cover all of them; larger input has infinite margins, so that
 // every sign comes from the integers. Input within the margins cannot overflow.
@@ -40,8 +42,9 @@ struct Margins {
   double orientation;
   double power;
 
-  // Differences at most 2^101, differences of weights at most 2^202: an underflow of 2^-1074 grows by at most
-  // 2^101 (orientation) or 2^101 * 2^204 (power), a hundred of them by 2^7 more.
+  // Differences at most 2^101, differences of weights at most 2^202: an underflow of 2^-1074 in a minor grows by at most
+  // 2^101 (orientation) or 2^101 * 2^204 (power), one in a lift by a minor of at most 2^306; the underflows of all
+  // products and of their errors, a few hundred, by 2^9 more.
   static Margins safe() { return {std::ldexp(1.0, -900), std::ldexp(1.0, -700)}; }
   static Margins never() {
     return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
@@ -103,6 +106,11 @@ inline int filtered_power_test(const Site& a, const Site& b, const Site& c, cons
 // Stage 2.
 int fine_orientation(const Site& a, const Site& b, const Site& c, const Site& d, double bound);
 int fine_power_test(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e, double bound);
+
+// What the fine power test takes the sign of, with the errors of products by fused multiply-add or by splitting: the
+// same to the last bit. `fused` only where the machine has it.
+double fine_power_determinant(const Site& a, const Site& b, const Site& c, const Site& d, const Site& e, bool fused);
+bool has_fma();
 
 // Stage 3.
 int exact_orientation(const Site& a, const Site& b, const Site& c, const Site& d);

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import importlib.util
 import itertools
+import math
+import signal
 import subprocess
 import sys
+import threading
 import types
 from fractions import Fraction
 from pathlib import Path
@@ -134,6 +137,43 @@ def test_a_certified_sign_is_the_exact_one(stage):
         assert power in {UNDECIDED, exact_power(points, weights)}
         decided += (found != UNDECIDED) + (power != UNDECIDED)
     assert decided > 120  # no stage hides behind never deciding
+
+
+def permanent_of_power_test(points, weights):
+    p = [[Fraction(float(x)) for x in row] for row in points]
+    w = [Fraction(float(x)) for x in weights]
+    rows = []
+    for row, weight in zip(p[:4], w[:4], strict=True):
+        arm = [abs(x - y) for x, y in zip(row, p[4], strict=True)]
+        rows.append([*arm, sum(x * x for x in arm) + abs(weight - w[4])])
+    return sum(
+        math.prod(rows[i][k] for i, k in enumerate(order))
+        for order in itertools.permutations(range(4))
+    )
+
+
+def power_determinant(points, weights):
+    p = [[Fraction(float(x)) for x in row] for row in points]
+    w = [Fraction(float(x)) for x in weights]
+    rows = []
+    for row, weight in zip(p[:4], w[:4], strict=True):
+        arm = [x - y for x, y in zip(row, p[4], strict=True)]
+        rows.append([*arm, sum(x * x for x in arm) - weight + w[4]])
+    return -fraction_determinant(rows)
+
+
+def test_the_fine_determinant_keeps_its_bound_and_is_the_same_on_every_machine():
+    for points, weights in adversarial_sites():
+        if not 1e-30 < np.abs(points).max() < 1e30:
+            continue  # the fine stage is not asked
+        plain, used = (
+            _native.fine_power_determinant(points, weights, fused) for fused in (False, True)
+        )
+        assert plain == used
+        error = abs(Fraction(plain) - power_determinant(points, weights))
+        rounding = abs(Fraction(plain)) * Fraction(2) ** -53
+        bound = permanent_of_power_test(points, weights) * 256 * Fraction(2) ** -106
+        assert error <= bound + rounding + Fraction(2) ** -700
 
 
 def test_double_doubles_decide_what_rounding_leaves_of_a_sphere():
@@ -351,12 +391,46 @@ def test_progress_rises_to_one():
     assert reports[-1] == 1.0
 
 
-def test_an_error_in_progress_stops_the_work():
-    def stop(fraction):
-        raise InterruptedError(fraction)
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_an_error_in_progress_stops_the_work_at_once(share):
+    error = InterruptedError("enough")
+    reports = []
 
-    with pytest.raises(InterruptedError):
-        delaunay(inputs.generic_ball(), progress=stop)
+    def stop(fraction):
+        reports.append(fraction)
+        if fraction >= share:
+            raise error
+
+    with pytest.raises(InterruptedError) as caught:
+        delaunay(np.random.default_rng(21).random((40_000, 3)), progress=stop)
+    assert caught.value is error
+    assert all(fraction < share for fraction in reports[:-1])
+    assert share <= reports[-1] < share + 0.5
+
+
+def test_an_interrupt_from_the_keyboard_stops_the_work():
+    points = np.random.default_rng(25).random((400_000, 3))
+    reports = []
+    started = threading.Event()
+
+    def press():
+        started.wait()
+        signal.raise_signal(signal.SIGINT)
+
+    def watch(fraction):
+        reports.append(fraction)
+        if fraction > 0.02:
+            started.set()
+
+    thread = threading.Thread(target=press)
+    thread.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            delaunay(points, progress=watch)
+    finally:
+        started.set()
+        thread.join()
+    assert 0.02 < reports[-1] < 0.5
 
 
 @pytest.mark.parametrize(
@@ -378,6 +452,23 @@ def test_too_many_points_are_refused(monkeypatch):
     monkeypatch.setattr(module, "MAXIMUM_SITES", 399)
     with pytest.raises(GeometryError, match="at most 399 points; got 400"):
         delaunay(inputs.generic_ball())
+
+
+@pytest.mark.parametrize("wrong", [-1, 3])
+def test_poles_of_unknown_sites_are_refused(wrong):
+    with pytest.raises(IndexError):
+        _native.find_poles(np.eye(3), np.array([[0, 1, 2, wrong]], dtype=np.int32), 3)
+
+
+def test_lexicographic_order_is_that_of_numpy_without_repetition():
+    random = np.random.default_rng(26)
+    for _ in range(20):
+        points = random.integers(-2, 3, (int(random.integers(1, 300)), 3)) * random.choice([1, 0.1])
+        points[random.random(points.shape) < 0.2] *= -1.0  # zeros of either sign
+        order = _native.lexicographic_order(points)
+        _, first = np.unique(points + 0.0, axis=0, return_index=True)
+        assert np.array_equal(order, first)
+    assert len(_native.lexicographic_order(np.zeros((0, 3)))) == 0
 
 
 def test_cells_of_unknown_sites_are_refused():
