@@ -92,15 +92,16 @@ FoundPoles find_poles(const std::vector<Site>& sites, const Quad* cells, std::si
   find_second(sites, cells, centres, searches);
   FoundPoles poles;
   std::vector<std::int32_t> number(cell_count, -1);
-  const auto pole_of = [&](std::int32_t cell) {
-    if (cell < 0) return std::int32_t(-1);
-    if (number[cell] < 0) {
-      number[cell] = std::int32_t(poles.cells.size());
-      poles.cells.push_back(cell);
-      poles.centres.push_back(centres[cell]);
-    }
-    return number[cell];
-  };
+  for (const Search& search : searches)
+    for (const std::int32_t cell : {search.first, search.second})
+      if (cell >= 0) number[cell] = 0;
+  for (std::size_t cell = 0; cell < cell_count; ++cell) {
+    if (number[cell] < 0) continue;
+    number[cell] = std::int32_t(poles.cells.size());
+    poles.cells.push_back(std::int32_t(cell));
+    poles.centres.push_back(centres[cell]);
+  }
+  const auto pole_of = [&](std::int32_t cell) { return cell < 0 ? std::int32_t(-1) : number[cell]; };
   poles.first.reserve(samples);
   poles.second.reserve(samples);
   for (const Search& search : searches) {
