@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from meshlab_symrecon.plugin import (
     Citation,
     Filter,
@@ -11,12 +13,21 @@ from meshlab_symrecon.plugin import (
     ParameterSet,
     Progress,
     boolean,
+    choice,
+    spacing_multiple,
 )
 from meshlab_symrecon.powercrust.attributes import carry_over
-from meshlab_symrecon.powercrust.reconstruction import PowerCrust, reconstruct
+from meshlab_symrecon.powercrust.reconstruction import (
+    METHODS,
+    SURFACES,
+    PowerCrust,
+    Recipe,
+    reconstruct,
+)
 
 LABEL = "power crust"
 AXIS_LABEL = "medial axis"
+AUTOMATIC = -1.0
 HULL_WARNING = (
     "the points are too few or too flat to tell inside from outside, "
     "so the surface is their convex hull"
@@ -26,23 +37,91 @@ HULL_WARNING = (
 class Parameters(ParameterSet):
     """Parameters of the Power Crust."""
 
+    surface: str = choice(
+        SURFACES[0],
+        SURFACES,
+        "Surface",
+        "'power crust': the walls between inner and outer balls, about four triangles a point, "
+        "which average noise and bend with the surface. 'interpolating': triangles between the "
+        "measured points themselves, two a point, so that every vertex is a point of the scan.",
+    )
+    labelling: str = choice(
+        METHODS[0],
+        METHODS,
+        "Labelling",
+        "How inner balls are told from outer ones. 'min cut' weighs all evidence and bears noise "
+        "and holes; 'propagation' is the queue of the original program.",
+    )
+    smallestball: float = spacing_multiple(
+        AUTOMATIC,
+        "Smallest ball",
+        "Smaller polar balls are dropped, which smooths noise and blunts thin parts. 0 keeps all; "
+        "-1 chooses by the noise of the points.",
+        low=AUTOMATIC,
+    )
+    keepoutliers: bool = boolean(
+        False,
+        "Keep outliers",
+        "Use points that are far from all others like any other, instead of leaving them out.",
+    )
+    widestcap: float = spacing_multiple(
+        0.0,
+        "Widest cap",
+        "Leave holes of the scan open that are wider than this. 0 closes all, so that the surface "
+        "bounds a solid.",
+    )
     medialaxis: bool = boolean(
         False,
         "Medial axis",
         "Also add the medial axis as a layer, with the radius of its balls as quality.",
+    )
+    axisnoise: float = spacing_multiple(
+        0.0,
+        "Noise of the axis",
+        "Leave out parts of the medial axis with smaller balls, which come from noise.",
+    )
+    axisredundancy: float = spacing_multiple(
+        0.0,
+        "Redundancy of the axis",
+        "Leave out balls of the medial axis that stick out of a larger one next to them by less.",
+    )
+    outeraxis: bool = boolean(
+        False,
+        "Outer axis",
+        "Also add the medial axis of the space round the surface.",
     )
 
 
 def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
     """Reconstruct the current layer's points."""
     source = layers.current
-    crust = reconstruct(source.points, with_axis=parameters.medialaxis, progress=progress)
+    crust = reconstruct(source.points, _recipe(parameters), progress=progress)
     added = [_surface(source, crust)]
-    if parameters.medialaxis:
+    if parameters.medialaxis or parameters.outeraxis:
         axis = crust.axis
         added.append(Layer(axis.points, axis.faces, label=AXIS_LABEL, quality=axis.radii))
+    warnings = (HULL_WARNING,) if crust.hull else ()
+    return Outcome(tuple(added), current=0, measures=_measures(crust), warnings=warnings)
+
+
+def _recipe(parameters: Parameters) -> Recipe:
+    automatic = parameters.smallestball < 0.0
+    return Recipe(
+        surface=parameters.surface,
+        labelling=parameters.labelling,
+        smallest_ball=None if automatic else parameters.smallestball,
+        keep_outliers=parameters.keepoutliers,
+        widest_cap=parameters.widestcap,
+        with_axis=parameters.medialaxis or parameters.outeraxis,
+        with_outer_axis=parameters.outeraxis,
+        axis_noise=parameters.axisnoise,
+        axis_redundancy=parameters.axisredundancy,
+    )
+
+
+def _measures(crust: PowerCrust) -> dict[str, Any]:
     shape = crust.topology
-    measures = {
+    return {
         "closed": shape.closed,
         "edge_manifold": shape.edge_manifold,
         "vertex_manifold": shape.vertex_manifold,
@@ -50,11 +129,15 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
         "genus": shape.genus,
         "vertices": len(crust.points),
         "faces": len(crust.faces),
+        "largest_cap": crust.largest_cap,
+        "opened_caps": crust.opened,
+        "outliers": crust.outliers,
         "poles": crust.poles,
+        "dropped_poles": crust.dropped_poles,
         "unlabelled_poles": crust.unreached_poles,
+        "flipped_poles": crust.flipped_poles,
+        "seconds": dict(crust.seconds),
     }
-    warnings = (HULL_WARNING,) if crust.hull else ()
-    return Outcome(tuple(added), current=0, measures=measures, warnings=warnings)
 
 
 def _surface(source: Layer, crust: PowerCrust) -> Layer:
@@ -71,10 +154,17 @@ FILTER = Filter(
     aliases=("power_crust_reconstruct",),
     summary="Wrap a point cloud in a closed surface, without normals.",
     description=(
-        "Finds the poles of the samples' Voronoi cells, builds the power diagram of their balls in "
-        "exact arithmetic, tells inner balls from outer ones, and returns the faces between them "
+        "Finds the poles of the points' Voronoi cells, builds the power diagram of their balls in "
+        "exact arithmetic, tells inner balls from outer ones, and returns the walls between them "
         "as triangles. The surface is closed and manifold by construction: holes of the cloud are "
-        "capped. Colours, and quality such as the share invented, come from the nearest points."
+        "capped. Colours, and quality such as the share invented, come from the nearest points. "
+        "Points far from all others are left out, and the small balls of noisy clouds are.\n\n"
+        "Returns what the surface is (`closed`, `edge_manifold`, `vertex_manifold`, `components`, "
+        "`genus`, `vertices`, `faces`), the width of the `largest_cap` over a hole in multiples of "
+        "the spacing there, how many caps were opened (`opened_caps`), how many points were left "
+        "out as `outliers`, how many `poles` there are, how many of them were dropped for their "
+        "size (`dropped_poles`), were reached by no evidence (`unlabelled_poles`) or belonged to "
+        "pieces too small to keep (`flipped_poles`), and the `seconds` of each stage."
     ),
     parameters=Parameters,
     run=run,

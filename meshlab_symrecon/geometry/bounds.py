@@ -7,9 +7,10 @@ import numpy as np
 from meshlab_symrecon.arrays import Points
 from meshlab_symrecon.errors import GeometryError
 
-__all__ = ["box_diagonal", "require_solid", "robust_diagonal"]
+__all__ = ["SPACE", "box_diagonal", "is_solid", "require_solid", "robust_diagonal"]
 
 SMALLEST, LARGEST = 1e-60, 1e60  # units: squares and cubes of lengths stay within floats
+SPACE = 3  # dimensions
 FLATNESS = 1e-7  # thickness / diagonal below which a cloud is flat; float32 files round at 6e-8
 ROUNDING = 8.0 * np.finfo(np.float64).eps  # relative error of a coordinate after a few operations
 
@@ -71,16 +72,26 @@ def require_solid(points: Points, purpose: str, minimum: int = 5) -> None:
             f"got an extent of {extent:.3g}; change the units"
         )
         raise GeometryError(message)
-    centred = points - points.mean(axis=0)
-    axes = np.linalg.eigh(centred.T @ centred)[1]
-    widths = np.sort(np.ptp(centred @ axes, axis=0))[::-1]
-    diagonal = float(np.linalg.norm(widths))
-    limit = max(FLATNESS * diagonal, ROUNDING * float(np.abs(points).max()))
-    rank = int(np.count_nonzero(widths > limit))
-    if rank < 3:  # three dimensions
+    rank = _rank(points)
+    if rank < SPACE:
         shape = ("that all coincide", "on one line", "in one plane")[rank]
         message = (
             f"{purpose} needs at least {minimum} points not in one plane; "
             f"got {len(points)} points {shape}; scan the object from more sides"
         )
         raise GeometryError(message)
+
+
+def is_solid(points: Points, minimum: int = 4) -> bool:
+    """Say whether a cloud has enough points, not all of them in one plane."""
+    return len(points) >= minimum and _rank(points) == SPACE
+
+
+def _rank(points: Points) -> int:
+    """Return how many dimensions points span, but for rounding."""
+    centred = points - points.mean(axis=0)
+    axes = np.linalg.eigh(centred.T @ centred)[1]
+    widths = np.sort(np.ptp(centred @ axes, axis=0))[::-1]
+    diagonal = float(np.linalg.norm(widths))
+    limit = max(FLATNESS * diagonal, ROUNDING * float(np.abs(points).max()))
+    return int(np.count_nonzero(widths > limit))
