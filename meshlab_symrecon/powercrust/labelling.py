@@ -26,7 +26,6 @@ __all__ = ["METHODS", "Labels", "label_poles"]
 
 METHODS = ("min cut", "propagation")
 
-
 SMALLEST_PIECE = 0.005  # share of the samples; a smaller island or bubble is noise
 GRAPH_DONE = 0.4  # share of the time
 PATHS_DONE = 0.7  # share of the rest
