@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshlab_symrecon import _native
-from meshlab_symrecon.arrays import Booleans
+from meshlab_symrecon.arrays import Booleans, Indices
 from meshlab_symrecon.errors import GeometryError
 from meshlab_symrecon.geometry.triangulation import Triangulation
 from meshlab_symrecon.powercrust.handles import without_small_handles
@@ -27,7 +27,6 @@ from meshlab_symrecon.powercrust.small_balls import relative_sizes
 __all__ = ["METHODS", "Labels", "label_poles"]
 
 METHODS = ("min cut", "propagation")
-
 
 SMALLEST_PIECE = 0.005  # share of the samples; a smaller island or bubble is noise
 GRAPH_DONE = 0.4  # share of the time
@@ -94,9 +93,11 @@ def label_poles(
     if smallest_handle > 0.0:
         sizes = relative_sizes(poles)
         inside = without_small_handles(diagram, inside, outer, sizes, smallest_handle)
-    inside, flipped = _without_small_pieces(poles, diagram, inside, outer)
+    cover = _covering_poles(poles, diagram)
+    samples = np.bincount(cover[poles.pairs].ravel(), minlength=len(cover))
+    inside, flipped = _without_small_pieces(diagram, inside, outer, samples)
     return Labels(
-        inside=inside[diagram.representative],
+        inside=inside[cover],
         unreached=int(np.count_nonzero(~reached & shown)),
         flipped=flipped,
     )
@@ -121,20 +122,34 @@ def _certainly_outside(poles: Poles, diagram: Triangulation) -> Booleans:
     return outer
 
 
+def _covering_poles(poles: Poles, diagram: Triangulation) -> Indices:
+    """Return (p,) the pole with a cell in the power diagram that stands for each pole.
+
+    A pole without one takes the label of the ball that covers it, and leaves it its samples: where
+    many samples lie on one sphere, all but a few of their poles at its centre have no cell.
+    """
+    cover = diagram.representative.astype(np.int64)
+    hidden = np.flatnonzero(diagram.hidden)
+    corners = diagram.cells[diagram.hidden_cell[hidden]]
+    arms = poles.centres[corners] - poles.centres[hidden][:, None]
+    power = np.einsum("ijk,ijk->ij", arms, arms) - poles.radii[corners] ** 2
+    cover[hidden] = corners[np.arange(len(hidden)), power.argmin(axis=1)]
+    return cover[diagram.representative]
+
+
 def _without_small_pieces(
-    poles: Poles, diagram: Triangulation, inside: Booleans, outer: Booleans
+    diagram: Triangulation, inside: Booleans, outer: Booleans, samples: Indices
 ) -> tuple[Booleans, int]:
     """Turn over islands and bubbles that a negligible share of the samples lies on.
 
     Pieces are connected through the faces of the power diagram, so turning one over keeps the
-    surface closed.
+    surface closed.  ``samples`` counts the samples of each pole.
     """
-    samples = np.bincount(diagram.representative[poles.pairs].ravel(), minlength=len(inside))
     turned = _native.turn_small_pieces(
         diagram.cells,
         inside.view(np.uint8),
         outer.view(np.uint8),
         samples.astype(np.int32),
-        SMALLEST_PIECE * len(poles.pairs),
+        SMALLEST_PIECE * samples.sum() / 2,
     ).view(np.bool_)
     return turned, int(np.count_nonzero((turned != inside) & shown_poles(diagram)))

@@ -17,8 +17,8 @@ from meshlab_symrecon.powercrust.progress import Progress
 
 __all__ = ["propagated"]
 
-OFFERED = 0.4  # least cosine with which a ball offers its label; the original's theta
-ACCEPTED = 0.3  # least cosine with which one that was offered none takes a label; its deep
+OFFERED = 0.0  # least cosine with which a ball offers its label; the original's default theta
+ACCEPTED = 0.0  # least cosine with which one that was offered none takes a label; its default deep
 OUTSIDE, INSIDE = 1, 2  # labels of the native code; 0 is none
 
 

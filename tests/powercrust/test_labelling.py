@@ -278,6 +278,31 @@ def test_labels_of_a_sphere_are_the_truth(method):
     assert np.array_equal(labels.inside, (poles.centres**2).sum(axis=1) < 1.0)
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_bodies_stay_although_most_of_their_poles_are_covered(method):
+    """The poles of an exact sphere crowd at its centre, where all but a few have no power cell."""
+    ball = shapes.fibonacci_sphere(2000)
+    centres = np.array([[0.0, 0.0, 0.0], [3.3, 0.0, 0.0], [0.0, 3.1, 0.2]])
+    poles, diagram = poles_of(np.vstack([ball + centre for centre in centres]))
+    assert np.count_nonzero(diagram.hidden) > 0.4 * len(poles.centres)
+    labels = label_poles(poles, diagram, method=method)
+    squares = ((poles.centres[:, None] - centres) ** 2).sum(axis=2).min(axis=1)
+    assert np.array_equal(labels.inside, squares < 1.0)
+    assert labels.flipped == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_covered_pole_has_the_label_of_what_covers_it(method):
+    """The outer poles of a spherical hollow crowd at its centre."""
+    sphere = shapes.fibonacci_sphere(3000)
+    poles, diagram = poles_of(np.vstack([sphere, 1.3 * sphere]))
+    labels = label_poles(poles, diagram, method=method)
+    distance = np.linalg.norm(poles.centres, axis=1)
+    assert diagram.hidden[distance < 0.5].any()
+    assert not diagram.hidden[distance < 0.5].all()
+    assert np.array_equal(labels.inside, (distance > 1.0) & (distance < 1.3))
+
+
 def test_the_cut_bears_outliers_better_than_propagation():
     rng = np.random.default_rng(8)
     samples = np.vstack([shapes.torus(4000, seed=8), rng.uniform(-1.4, 1.4, (800, 3))])
