@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <cmath>
 #include <numeric>
+#include <stdexcept>
 
 #include "crust.hpp"
 #include "vectors.hpp"
@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kVerticesPerReport = 1 << 14;
 
-// Joins sets of vertices of a polygon surface, each polygon taken as a fan from its first corner.
+// Joins sets of vertices of a polygon surface, each polygon taken as a fan of triangles.
 //
 // A set whose triangles form a disc may shrink to a point without changing the surface (a quotient by a
 // cell).  What is left are triangles with distinct corners only if the ones with one corner in the set
@@ -31,7 +31,8 @@ class Clusters {
       for (std::int32_t place = offsets[polygon]; place < offsets[polygon + 1]; ++place) {
         Quad& around = polygons_[corners[place]];
         int slot = 0;
-        while (around[slot] >= 0) ++slot;
+        while (slot < 4 && around[slot] >= 0) ++slot;
+        if (slot == 4) throw std::invalid_argument("more than four polygons meet at a corner");
         around[slot] = static_cast<std::int32_t>(polygon);
       }
     choose_bases();
@@ -50,10 +51,18 @@ class Clusters {
     return member;
   }
 
-  void choose_bases();
+  void unite(std::int32_t a, std::int32_t b) {
+    a = find(a);
+    b = find(b);
+    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+  // The corner after that at a place, round the polygon.
   std::int32_t after(std::int32_t polygon, std::int32_t place) const {
     return place + 1 == offsets_[polygon + 1] ? offsets_[polygon] : place + 1;
   }
+  void choose_bases();
+  void meet(const Triangle& face);
   void gather(const std::vector<std::int32_t>& members);
   void join_set(const std::vector<std::int32_t>& members);
   void shrink(const std::vector<std::int32_t>& members);
@@ -67,7 +76,7 @@ class Clusters {
   std::vector<std::int32_t> local_;  // of the vertices of the set at hand: their places in it
   std::vector<std::int32_t> after_;  // of the vertices round it: the next one
   std::vector<std::int32_t> seen_;   // the last set that each polygon was met in
-  std::vector<std::int32_t> base_;  // of each polygon: where the corner stands from which it is fanned
+  std::vector<std::int32_t> base_;   // of each polygon: the place of the corner its fan starts from
   std::int32_t sets_ = 0;
   // of the set at hand
   std::vector<std::int32_t> parent_, parts_;
@@ -93,6 +102,26 @@ void Clusters::choose_bases() {
   }
 }
 
+// Take account of a triangle with a corner in the set at hand.
+inline void Clusters::meet(const Triangle& face) {
+  const Triangle local{local_[face[0]], local_[face[1]], local_[face[2]]};
+  const int within = (local[0] >= 0) + (local[1] >= 0) + (local[2] >= 0);
+  if (within == 1) {
+    const int corner = local[0] >= 0 ? 0 : local[1] >= 0 ? 1 : 2;
+    const Link link{representative_[face[(corner + 1) % 3]], representative_[face[(corner + 2) % 3]]};
+    if (link.start != link.end) links_.push_back(link);
+  } else if (within == 2) {
+    ++inner_sides_;
+    if (local[0] < 0) unite(local[1], local[2]);
+    else unite(local[0], local[1] >= 0 ? local[1] : local[2]);
+  } else if (within == 3) {
+    inner_sides_ += 3;
+    ++inner_faces_;
+    unite(local[0], local[1]);
+    unite(local[0], local[2]);
+  }
+}
+
 // Count the triangles and edges inside a set, list the edges opposite to it, and find its connected parts.
 void Clusters::gather(const std::vector<std::int32_t>& members) {
   for (std::size_t i = 0; i < members.size(); ++i) local_[members[i]] = static_cast<std::int32_t>(i);
@@ -100,38 +129,16 @@ void Clusters::gather(const std::vector<std::int32_t>& members) {
   std::iota(parent_.begin(), parent_.end(), 0);
   links_.clear();
   inner_sides_ = inner_faces_ = 0;
-  const auto unite = [&](std::int32_t a, std::int32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  };
   for (const std::int32_t vertex : members)
     for (const std::int32_t polygon : polygons_[vertex]) {
       if (polygon < 0 || seen_[polygon] == sets_) continue;
       seen_[polygon] = sets_;
-      const std::int32_t first = corners_[base_[polygon]];
-      const std::int32_t first_local = local_[first];
-      std::int32_t place = after(polygon, base_[polygon]);
-      std::int32_t b = corners_[place], b_local = local_[b];
+      const std::int32_t base = corners_[base_[polygon]];
+      std::int32_t place = after(polygon, base_[polygon]), earlier = corners_[place];
       while ((place = after(polygon, place)) != base_[polygon]) {
-        const std::int32_t c = corners_[place], c_local = local_[c];
-        const int within = (first_local >= 0) + (b_local >= 0) + (c_local >= 0);
-        if (within == 1) {
-          const Link link = first_local >= 0 ? Link{b, c} : b_local >= 0 ? Link{c, first} : Link{first, b};
-          const Link joined{representative_[link.start], representative_[link.end]};
-          if (joined.start != joined.end) links_.push_back(joined);
-        } else if (within == 2) {
-          ++inner_sides_;
-          if (first_local < 0) unite(b_local, c_local);
-          else unite(first_local, b_local >= 0 ? b_local : c_local);
-        } else if (within == 3) {
-          inner_sides_ += 3;
-          ++inner_faces_;
-          unite(first_local, b_local);
-          unite(first_local, c_local);
-        }
-        b = c;
-        b_local = c_local;
+        const std::int32_t later = corners_[place];
+        meet({base, earlier, later});
+        earlier = later;
       }
     }
   ++sets_;

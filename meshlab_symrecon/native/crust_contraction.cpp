@@ -18,7 +18,7 @@ constexpr int kTries = 4;            // edges tried at a vertex, the shortest fi
 constexpr double kStepAside = 0.01;  // of the way to the mean of the neighbours
 constexpr int kSteps = 8;            // aside, at the most
 constexpr int kRounds = 2;           // of asking neighbours for their nearest samples
-constexpr float kDone = -1.0f;
+constexpr float kDone = std::numeric_limits<float>::infinity();
 constexpr double kTurned = std::numeric_limits<double>::infinity();
 
 class Contraction {
@@ -120,11 +120,11 @@ double Contraction::shift(std::int32_t hub, const Spoke& kept) const {
   return std::sqrt(most);
 }
 
-// Contract one edge at a vertex (walked last) to its other end, if that is short or leaves the surface in place.
+// Contract one edge at a vertex to its other end, if that is short or leaves the surface in place.
 bool Contraction::remove(std::int32_t hub) {
+  walk(hub);
   const double spacing = samples_.spacing[nearest_[hub]];
-  const double reach = kReach * spacing, weld = leanness_.weld * spacing;
-  const double allowed = leanness_.flat * spacing - static_cast<double>(moved_[hub]);
+  const double reach = kReach * spacing, weld = leanness_.weld * spacing, flat = leanness_.flat * spacing;
   double tried = -1.0;  // length of the edge tried last
   for (int attempt = 0; attempt < kTries; ++attempt) {
     const Spoke* kept = nullptr;
@@ -132,23 +132,31 @@ bool Contraction::remove(std::int32_t hub) {
       if (spoke.squared > tried && (kept == nullptr || spoke.squared < kept->squared)) kept = &spoke;
     if (kept == nullptr || !(kept->squared < reach * reach)) return false;
     tried = kept->squared;
-    const double height = shift(hub, *kept);
-    const bool is_short = tried < weld * weld && height != kTurned;
-    if ((!is_short && !(height <= allowed)) || !link_condition(kept->vertex)) continue;
-    moved_[kept->vertex] = std::max(moved_[kept->vertex], moved_[hub] + static_cast<float>(height));
+    const float moved = moved_[hub] + static_cast<float>(shift(hub, *kept));
+    if (!(moved <= (tried < weld * weld ? weld : flat)) || !link_condition(kept->vertex)) continue;
+    moved_[kept->vertex] = std::max(moved_[kept->vertex], moved);
     halves_.contract(kept->half);
     return true;
   }
   return false;
 }
 
-// The neighbour (of the last walk) whose turn comes first, if that is before the hub's; else -1.
+// The neighbour whose turn comes first, if that is before the hub's; else -1.
 std::int32_t Contraction::earlier(std::int32_t hub) const {
-  std::int32_t first = hub;
-  for (const Spoke& spoke : spokes_)
-    if (turn_[spoke.vertex] < turn_[first] || (turn_[spoke.vertex] == turn_[first] && spoke.vertex < first))
-      if (turn_[spoke.vertex] != kDone) first = spoke.vertex;
-  return first == hub ? -1 : first;
+  std::int32_t earliest = hub;
+  float turn = turn_[hub];
+  const std::int32_t first = halves_.leaving(hub);
+  std::int32_t half = first;
+  do {
+    const std::int32_t vertex = halves_.end(half);
+    const float other = turn_[vertex];
+    if (other < turn || (other == turn && vertex < earliest)) {
+      earliest = vertex;
+      turn = other;
+    }
+    half = halves_.next_round(half);
+  } while (half != first);
+  return earliest == hub ? -1 : earliest;
 }
 
 // Vertices go in the order of their distance from their sample, in spacings, as far as neighbours see:
@@ -168,7 +176,6 @@ void Contraction::thin_out(const Progress& progress) {
     waiting.push_back(vertex);
     while (!waiting.empty()) {
       const std::int32_t hub = waiting.back();
-      walk(hub);
       const std::int32_t first = earlier(hub);
       if (first >= 0) {
         waiting.push_back(first);
@@ -233,7 +240,9 @@ void Contraction::join_coincident() {
 // Vertices at one place that could not be joined: all but the first, a sample if there is one, move a
 // little towards their neighbours, so that no reader joins them and pinches the surface.
 void Contraction::part_coincident() {
-  PositionTable table(points_.size());
+  std::size_t living = 0;
+  for (std::int32_t vertex = 0; vertex < count(); ++vertex) living += halves_.exists(vertex);
+  PositionTable table(living);
   std::vector<std::int32_t> doubled;
   for (const bool samples : {true, false})
     for (std::int32_t vertex = 0; vertex < count(); ++vertex)

@@ -8,15 +8,12 @@ namespace {
 
 constexpr std::size_t kStepsPerReport = 1 << 14;
 
-// The edges of a tetrahedron (0, 1, 2, 3), each followed by the other two corners so that the four
-// are an even permutation: turning from the third to the fourth is counter-clockwise round the edge.
-constexpr int kOthers[4][4][2] = {{{0, 0}, {2, 3}, {3, 1}, {1, 2}},
-                                  {{3, 2}, {0, 0}, {0, 3}, {2, 0}},
-                                  {{1, 3}, {3, 0}, {0, 0}, {0, 1}},
-                                  {{2, 1}, {0, 2}, {1, 0}, {0, 0}}};
+// For an edge from corner a to corner b of a cell the third corner c such that turning from c to the
+// fourth one is counter-clockwise round the edge: (a, b, c, fourth) is an even permutation.
+constexpr int kBehind[4][4] = {{-1, 2, 3, 1}, {3, -1, 0, 2}, {1, 3, -1, 0}, {2, 0, 1, -1}};
 
 // A cell with inner and outer sites; all cells round a mixed edge are such.
-struct MixedCell {
+struct alignas(32) MixedCell {  // in half a cache line
   Quad sites, neighbours;  // neighbours across mixed facets, by their place among the mixed cells
 };
 
@@ -32,7 +29,7 @@ bool is_mixed(int corners) { return corners != 0 && corners != 15; }
 // step that goes round a cell two to three times as fast.
 class Flood {
  public:
-  Flood(View<Quad> cells, View<Quad> neighbours, View<std::uint8_t> inside)
+  Flood(View<Quad> cells, View<Quad> neighbours, View<std::uint8_t> inside, const Progress& progress)
       : cells_(cells), neighbours_(neighbours), inside_(inside), place_(cells.size(), kPure) {
     std::size_t count = 0;
     for (std::size_t cell = 0; cell < cells.size(); ++cell)
@@ -45,7 +42,10 @@ class Flood {
     for (std::size_t cell = 0; cell < cells.size(); ++cell) {
       if (place_[cell] != kUnseen) continue;
       number(static_cast<std::int32_t>(cell));
-      while (mixed_.size() < chosen_.size()) enter(chosen_[mixed_.size()]);
+      while (mixed_.size() < chosen_.size()) {
+        if (mixed_.size() % kStepsPerReport == 0 && progress) progress(0.5 * double(mixed_.size()) / double(count));
+        enter(chosen_[mixed_.size()]);
+      }
     }
   }
 
@@ -107,7 +107,7 @@ class Rings {
   // Counter-clockwise round the way from inside to outside.
   void walk(std::int32_t first, int from_place, int to_place) {
     const std::int32_t from = mixed_[first].sites[from_place], to = mixed_[first].sites[to_place];
-    int behind = kOthers[from_place][to_place][0];
+    int behind = kBehind[from_place][to_place];
     std::int32_t cell = first;
     for (;;) {
       const MixedCell& at = mixed_[cell];
@@ -142,7 +142,7 @@ Polygons mixed_edge_polygons(View<Quad> cells, View<Quad> neighbours, View<std::
   Polygons result;
   std::vector<MixedCell> mixed;
   {
-    Flood flood(cells, neighbours, inside);
+    Flood flood(cells, neighbours, inside, progress);
     mixed = std::move(flood.mixed());
     result.cells = std::move(flood.chosen());
   }
@@ -152,7 +152,7 @@ Polygons mixed_edge_polygons(View<Quad> cells, View<Quad> neighbours, View<std::
   result.offsets.push_back(0);
   Rings rings(mixed, inside, result);
   for (std::size_t cell = 0; cell < mixed.size(); ++cell) {
-    if (cell % kStepsPerReport == 0 && progress) progress(double(cell) / double(mixed.size()));
+    if (cell % kStepsPerReport == 0 && progress) progress(0.5 + 0.5 * double(cell) / double(mixed.size()));
     rings.enter(static_cast<std::int32_t>(cell));
   }
   return result;

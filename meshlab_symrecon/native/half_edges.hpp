@@ -30,7 +30,7 @@ class HalfEdges {
     return {corners_[4 * face], corners_[4 * face + 1], corners_[4 * face + 2]};
   }
 
-  // Half-edges from a vertex, clockwise seen from outside: the face of each lies between it and the next.
+  // Half-edges from a vertex, counter-clockwise; the face of each lies between it and the next.
   std::int32_t leaving(std::int32_t vertex) const { return leaving_[vertex]; }
   std::int32_t next_round(std::int32_t half) const { return twins_[preceding(half)]; }
 

@@ -269,6 +269,18 @@ def test_cells_that_are_no_neighbours_are_refused():
         )
 
 
+def test_polygons_of_no_surface_are_refused():
+    triangle = np.arange(3, dtype=np.int32)
+    with pytest.raises(ValueError, match="four polygons"):
+        _native.join_at_samples(
+            CORNERS[:3],
+            triangle,
+            3 * np.arange(6, dtype=np.int32),
+            np.tile(triangle, 5),
+            CORNERS,
+        )
+
+
 def contract(points, faces, samples, nearest, spacing):
     return _native.contract_edges(
         points,
