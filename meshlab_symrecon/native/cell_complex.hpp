@@ -83,34 +83,39 @@ class CellComplex {
 #endif
   }
 
-  // Take all cells with their numbers replaced by given ones, in the given order; number -1 leaves a cell out. What is
-  // no longer needed is given up on the way, so that no more than one and a half copies exist at a time. Leaves the
-  // complex empty.
-  void move_out(const std::vector<std::int32_t>& number, std::size_t count, std::vector<Four>& vertices,
-                std::vector<Four>& neighbours) {
-    vertices.resize(count);
+  // The cells that have a number, in the order of the numbers, which ascend; -1 leaves a cell out.
+  std::vector<Four> numbered_vertices(const std::vector<std::int32_t>& number, std::size_t count) const {
+    std::vector<Four> vertices;
+    vertices.reserve(count);
     for (std::size_t i = 0; i < cells_.size(); ++i)
-      if (number[i] >= 0) vertices[number[i]] = cells_[i].vertex;
-    // numbers ascend, so what is packed has been read
+      if (number[i] >= 0) vertices.push_back(cells_[i].vertex);
+    return vertices;
+  }
+
+  // Their neighbours by number. Packed inside the old cells before the copy, so that the memory of the other half can be
+  // given up; leaves the complex empty.
+  std::vector<Four> take_numbered_neighbours(const std::vector<std::int32_t>& number, std::size_t count) {
     std::size_t packed = 0;
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       if (number[i] < 0) continue;
       Four renumbered;
       for (int k = 0; k < 4; ++k) renumbered[k] = number[cells_[i].neighbour[k]];
-      (packed % 2 == 0 ? cells_[packed / 2].vertex : cells_[packed / 2].neighbour) = renumbered;
-      ++packed;
+      packed_four(packed++) = renumbered;  // packed <= i: overwrites only what has been read
     }
     const std::size_t kept = (packed + 1) / 2;
     abandon(cells_.data() + kept, (cells_.size() - kept) * sizeof(Cell));
-    neighbours.resize(count);
-    for (std::size_t i = 0; i < count; ++i)
-      neighbours[i] = i % 2 == 0 ? cells_[i / 2].vertex : cells_[i / 2].neighbour;
+    std::vector<Four> neighbours;
+    neighbours.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) neighbours.push_back(packed_four(i));
     std::vector<Cell>().swap(cells_);
     std::vector<Mark>().swap(marks_);
     std::vector<std::int32_t>().swap(free_);
+    return neighbours;
   }
 
  private:
+  Four& packed_four(std::size_t i) { return i % 2 == 0 ? cells_[i / 2].vertex : cells_[i / 2].neighbour; }
+
   std::vector<Cell> cells_;
   std::vector<Mark> marks_;
   std::vector<std::int32_t> free_;

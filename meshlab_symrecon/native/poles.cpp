@@ -1,5 +1,6 @@
 #include "poles.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -15,6 +16,19 @@ double square_distance(const Site& a, const Site& b) {
   return dot(apart, apart);
 }
 
+// A hint that the entries of a cell's samples will be read soon: neighbours in space are far apart in memory, and a
+// million of them do not fit the cache.
+template <class Entry>
+void announce(const std::vector<Entry>& entries, const Quad& cell) {
+#if defined(__GNUC__) || defined(__clang__)
+  for (const std::int32_t sample : cell) __builtin_prefetch(entries.data() + sample);
+#else
+  (void)entries, (void)cell;
+#endif
+}
+
+constexpr std::size_t ahead_of_use = 8;  // cells
+
 // What one sample knows of its poles; together, since a pass over the cells visits the samples at random.
 struct Search {
   double farthest = -1.0;
@@ -27,6 +41,9 @@ std::vector<Point> find_first(const std::vector<Site>& sites, const Quad* cells,
                               std::vector<Search>& searches) {
   std::vector<Point> centres(cell_count);
   for (std::size_t i = 0; i < cell_count; ++i) {
+    const Quad& soon = cells[std::min(i + ahead_of_use, cell_count - 1)];
+    announce(sites, soon);
+    announce(searches, soon);
     const Quad& cell = cells[i];
     centres[i] = orthocentre(sites[cell[0]], sites[cell[1]], sites[cell[2]], sites[cell[3]]);
     for (const std::int32_t sample : cell) {
@@ -46,7 +63,10 @@ std::vector<Point> find_first(const std::vector<Site>& sites, const Quad* cells,
 
 void find_second(const std::vector<Site>& sites, const Quad* cells, const std::vector<Point>& centres,
                  std::vector<Search>& searches) {
-  for (std::size_t i = 0; i < centres.size(); ++i)
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    const Quad& soon = cells[std::min(i + ahead_of_use, centres.size() - 1)];
+    announce(sites, soon);
+    announce(searches, soon);
     for (const std::int32_t sample : cells[i]) {
       if (std::size_t(sample) >= searches.size()) continue;
       Search& search = searches[sample];
@@ -57,6 +77,7 @@ void find_second(const std::vector<Site>& sites, const Quad* cells, const std::v
         search.second = std::int32_t(i);
       }
     }
+  }
 }
 
 // The four nearest of the neighbours offered, each once, nearest first.
@@ -115,6 +136,9 @@ Spacings sample_spacings(const std::vector<Site>& sites, const Quad* cells, std:
                          std::int32_t samples) {
   std::vector<Nearest> nearest(samples);
   for (std::size_t i = 0; i < cell_count; ++i) {
+    const Quad& soon = cells[std::min(i + ahead_of_use, cell_count - 1)];
+    announce(sites, soon);
+    announce(nearest, soon);
     const Quad& cell = cells[i];
     for (int a = 0; a < 3; ++a)
       for (int b = a + 1; b < 4; ++b) {

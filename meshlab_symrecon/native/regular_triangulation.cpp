@@ -85,10 +85,11 @@ RegularTriangulation regular_triangulation(std::vector<Site> sites, const Progre
     if (i % insertions_per_report == 0 && progress) progress(1.0);
     if (triangulator.is_hidden(i)) result.hidden_cell[distinct.original[i]] = number[triangulator.locate(i)];
   }
-  triangulator.complex().move_out(number, count, result.cells, result.neighbours);
-  if (progress) progress(1.0);
+  result.cells = triangulator.complex().numbered_vertices(number, count);
   for (Four& cell : result.cells)
     for (std::int32_t& vertex : cell) vertex = distinct.original[vertex];
+  if (progress) progress(1.0);
+  result.neighbours = triangulator.complex().take_numbered_neighbours(number, count);
   if (progress) progress(1.0);
   return result;
 }
