@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "interpolating.hpp"
@@ -41,7 +42,8 @@ class CellSides {
   };
   using Chosen = std::vector<std::int32_t>;
 
-  // A walk round an edge of a cell, from the corner `ahead` of the cell away from `behind`.
+  // A walk round an edge through the cells there: out of this cell across the facet opposite `behind`,
+  // which leads from its corner `behind` to its corner `ahead`.
   struct Turn {
     std::int32_t from, to, cell, behind, ahead;
   };
@@ -58,7 +60,7 @@ class CellSides {
   void turn(const Chosen& chosen);
   void collect_touched(const Chosen& chosen);
   double growth(const Chosen& chosen) const;
-  bool keep_pieces_from(std::int64_t smallest, Side side);
+  void keep_pieces_from(std::int64_t smallest, Side side);
   double facet_area(std::int32_t cell, int corner) const;
   bool take_in(std::int32_t sample);
   std::int32_t next_cell(const Turn& turn) const;

@@ -211,12 +211,12 @@ double CellSides::growth(const Chosen& chosen) const {
   return gain;
 }
 
-// Keep the pieces of a side that have as many boundary facets; turn the others over.
-bool CellSides::keep_pieces_from(std::int64_t smallest, Side side) {
+// Turn over the pieces of a side that have fewer boundary facets.
+void CellSides::keep_pieces_from(std::int64_t smallest, Side side) {
   ++stamp_;
   std::vector<Chosen> small;
   std::int64_t largest = -1;
-  std::size_t largest_place = 0;  // among the small ones; the end when a large one was met
+  std::size_t largest_place = 0;  // among the small ones, when it is one of them
   for (std::size_t first = 0; first < cells_.size(); ++first) {
     if (sides_[first] != side || seen_[first] == stamp_) continue;
     Chosen piece(1, static_cast<std::int32_t>(first));
@@ -243,15 +243,12 @@ bool CellSides::keep_pieces_from(std::int64_t smallest, Side side) {
     if (free && facets < smallest) small.push_back(std::move(piece));
   }
   const bool spare_largest = side == inner_side && largest < smallest;
-  bool turned = false;
   for (std::size_t place = 0; place < small.size(); ++place) {
     if (spare_largest && place == largest_place) continue;
     turn(small[place]);
-    turned = true;
     collect_touched(small[place]);
     for (const std::int32_t sample : touched_) pinches_[sample] = count_pinches(sample);
   }
-  return turned;
 }
 
 void CellSides::turn_small_pieces(std::int64_t smallest) {

@@ -2,10 +2,11 @@
 
 The crust's faces are walls between power cells; these are walls between the Delaunay tetrahedra
 inside and outside.  A tetrahedron whose circumcentre is a pole lies on the pole's side.  Any other
-takes the side of the power cell that its circumcentre is in, so that the triangles are those whose
-dual Voronoi edges cross the crust: the Delaunay triangulation restricted to it, which is a copy of
-a well sampled surface (Edelsbrunner and Shah 1997; Amenta and Bern 1999).  Flat tetrahedra on the
-surface may lie on either side; those that bend it least are chosen.
+takes the side of the polar ball to which its circumcentre has the least power, among those at its
+samples: nearly always that of the power cell it is in.  So the triangles are those whose dual
+Voronoi edges cross the crust: the Delaunay triangulation restricted to it, which is a copy of a
+well sampled surface (Edelsbrunner and Shah 1997; Amenta and Bern 1999).  Flat tetrahedra on the
+surface may lie on either side; those are chosen that bend it least.
 """
 
 from __future__ import annotations
