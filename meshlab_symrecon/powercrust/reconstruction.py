@@ -318,7 +318,7 @@ def _trimmed(
 ) -> tuple[Surface, float, int]:
     """Return the surface without too wide caps, the width of its widest one, and how many went."""
     stages.begin("measuring caps", until=1.0)
-    caps = find_caps(surface.points, surface.faces, samples, poles.room)
+    caps = find_caps(surface.points, surface.faces, surface.nearest, samples, poles.room)
     if recipe.widest_cap == 0.0 or caps.largest <= recipe.widest_cap:
         return surface, caps.largest, 0
     trimmed = trim(surface.points, surface.faces, caps, recipe.widest_cap)
