@@ -259,13 +259,21 @@ void Contraction::part_coincident() {
                   doubled.end());
 }
 
+// Towards the mean of the neighbours; from there, towards the farthest of them.
 void Contraction::step_aside(std::int32_t vertex) {
   walk(vertex);
-  for (int axis = 0; axis < 3; ++axis) {
-    double sum = 0.0;
-    for (const Spoke& spoke : spokes_) sum += spoke.tip[axis];
-    points_[vertex][axis] += kStepAside * (sum / static_cast<double>(spokes_.size()) - points_[vertex][axis]);
-  }
+  Position target{0.0, 0.0, 0.0};
+  for (const Spoke& spoke : spokes_)
+    for (int axis = 0; axis < 3; ++axis) target[axis] += spoke.tip[axis] / static_cast<double>(spokes_.size());
+  const Position before = points_[vertex];
+  const auto step = [&](const Position& end) {
+    for (int axis = 0; axis < 3; ++axis) points_[vertex][axis] += kStepAside * (end[axis] - before[axis]);
+  };
+  step(target);
+  if (points_[vertex] == before)
+    step(std::max_element(spokes_.begin(), spokes_.end(), [](const Spoke& a, const Spoke& b) {
+           return a.squared < b.squared;
+         })->tip);
 }
 
 SampledSurface Contraction::surface() const {
