@@ -6,6 +6,7 @@
 
 #include "bindings.hpp"
 #include "crust.hpp"
+#include "far_faces.hpp"
 #include "poles.hpp"
 #include "surface_topology.hpp"
 
@@ -140,6 +141,20 @@ void bind_crust(nb::module_& module) {
       nb::arg("points"), nb::arg("faces"), nb::arg("nearest"), nb::arg("samples"), nb::arg("spacing"),
       nb::arg("weld"), nb::arg("flat"), nb::arg("progress") = nb::none(),
       "Contract edges of a closed manifold where the link condition holds: points, faces, nearest.");
+  module.def(
+      "far_faces",
+      [](Rows<double> points, Rows<std::int32_t> faces, Row<std::int32_t> nearest, Rows<double> samples,
+         Row<double> spacing, double multiple) {
+        std::vector<std::int32_t> far;
+        {
+          nb::gil_scoped_release release;
+          far = far_faces(view_rows<Position>(points), view_rows<Triangle>(faces), view_row(nearest),
+                          view_rows<Position>(samples), view_row(spacing), multiple);
+        }
+        return give(std::move(far));
+      },
+      nb::arg("points"), nb::arg("faces"), nb::arg("nearest"), nb::arg("samples"), nb::arg("spacing"),
+      nb::arg("multiple"), "Faces with a place farther from the samples near their corners than the spacing explains.");
   module.def(
       "surface_topology",
       [](Rows<std::int32_t> faces, std::int32_t vertex_count) {

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Faces, Floats, Indices, Points
 from meshlab_symrecon.geometry.surfaces import face_components
 
@@ -66,26 +67,25 @@ def find_caps(
     spacing : (n,) float
         Distance from each sample to those round it, positive: the mean of a few neighbours.
     """
-    local = spacing[nearest][faces].max(axis=1)
-    doubtful = np.flatnonzero(_farthest_bound(points, faces, nearest, samples) > EXPLAINED * local)
-    gaps = _gaps(points, faces[doubtful], samples)
-    far = doubtful[gaps > EXPLAINED * local[doubtful]]
+    far = _native.far_faces(
+        points,
+        faces.astype(np.int32),
+        nearest.astype(np.int32),
+        samples,
+        spacing,
+        EXPLAINED,
+    )
+    local = spacing[nearest[faces[far]]].max(axis=1, initial=0.0)
+    gaps = _gaps(points, faces[far], samples)
+    explained = gaps <= EXPLAINED * local  # another sample is nearer
+    far, local, gaps = far[~explained], local[~explained], gaps[~explained]
     count, piece = face_components(faces[far])
     region = np.full(len(faces), -1, dtype=np.int64)
     region[far] = piece
     widest = np.zeros(count)
-    np.maximum.at(widest, piece, gaps[gaps > EXPLAINED * local[doubtful]])
+    np.maximum.at(widest, piece, gaps)
     members = np.bincount(piece, minlength=count)
-    return Caps(region, 2.0 * widest, np.bincount(piece, local[far], minlength=count) / members)
-
-
-def _farthest_bound(points: Points, faces: Faces, nearest: Indices, samples: Points) -> Floats:
-    """Return (m,) a length that no point of a triangle exceeds in its distance to the samples."""
-    gap = np.sqrt(((points - samples[nearest]) ** 2).sum(axis=1))
-    corners = points[faces]
-    sides = ((corners - corners[:, [1, 2, 0]]) ** 2).sum(axis=2)
-    bound: Floats = gap[faces].max(axis=1) + np.sqrt(sides.max(axis=1) / 3.0)
-    return bound
+    return Caps(region, 2.0 * widest, np.bincount(piece, local, minlength=count) / members)
 
 
 def _gaps(points: Points, faces: Faces, samples: Points) -> Floats:
