@@ -24,6 +24,7 @@ from meshlab_symrecon.powercrust.crust import crust_faces
 from meshlab_symrecon.powercrust.interpolating import interpolating_faces
 from meshlab_symrecon.powercrust.labelling import METHODS, Labels, label_poles
 from meshlab_symrecon.powercrust.medial_axis import MedialAxis, medial_axis
+from meshlab_symrecon.powercrust.near_poles import join_near_poles
 from meshlab_symrecon.powercrust.normal_cloud import normalised
 from meshlab_symrecon.powercrust.outliers import outliers
 from meshlab_symrecon.powercrust.poles import Poles, enclose, find_poles
@@ -187,7 +188,9 @@ def reconstruct(
     voronoi, poles, strange = _surface_poles(cloud.samples, recipe, stages)
     cloud = cloud.without(strange)
     limits = _limits(poles, recipe)
+    found = len(poles.centres)
     poles, dropped = drop_small_balls(poles, limits.ball)
+    poles = join_near_poles(poles)
     diagram = _power_diagram(poles, stages)
     labels = _labels(poles, diagram, recipe, limits, stages)
     if diagram is None or not labels.inside.any():
@@ -205,7 +208,7 @@ def reconstruct(
         topology=topology(surface.faces),
         largest_cap=largest_cap,
         opened=opened,
-        poles=len(poles.centres) + dropped,
+        poles=found,
         dropped_poles=dropped,
         unreached_poles=labels.unreached,
         flipped_poles=labels.flipped,
