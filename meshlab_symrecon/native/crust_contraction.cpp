@@ -16,6 +16,7 @@ constexpr double kSteepest = 0.2;    // cosine: a face may turn by 78 degrees at
 constexpr double kReach = 2.0;       // spacings: longer edges are not contracted
 constexpr int kTries = 2;            // edges tried at a vertex, the shortest first
 constexpr double kStepAside = 0.01;  // of the way to the mean of the neighbours
+constexpr double kNoStep = 1e-4;     // of the way to the farthest neighbour: no step at all
 constexpr int kSteps = 16;           // aside, at the most
 constexpr int kRounds = 2;           // of asking neighbours for their nearest samples
 constexpr float kDone = std::numeric_limits<float>::infinity();
@@ -242,8 +243,13 @@ void Contraction::join_coincident() {
 // little towards their neighbours, so that no reader joins them and pinches the surface.
 void Contraction::part_coincident() {
   std::size_t living = 0;
-  for (std::int32_t vertex = 0; vertex < count(); ++vertex) living += halves_.exists(vertex);
-  PositionTable table(living);
+  double largest = 0.0;
+  for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
+    if (!halves_.exists(vertex)) continue;
+    ++living;
+    for (const double coordinate : points_[vertex]) largest = std::max(largest, std::fabs(coordinate));
+  }
+  PositionTable table(living, largest);
   std::vector<std::int32_t> doubled;
   for (const bool samples : {true, false})
     for (std::int32_t vertex = 0; vertex < count(); ++vertex)
@@ -270,10 +276,10 @@ void Contraction::step_aside(std::int32_t vertex) {
     for (int axis = 0; axis < 3; ++axis) points_[vertex][axis] += kStepAside * (end[axis] - before[axis]);
   };
   step(target);
-  if (points_[vertex] == before)
-    step(std::max_element(spokes_.begin(), spokes_.end(), [](const Spoke& a, const Spoke& b) {
-           return a.squared < b.squared;
-         })->tip);
+  const Spoke& farthest = *std::max_element(
+      spokes_.begin(), spokes_.end(), [](const Spoke& a, const Spoke& b) { return a.squared < b.squared; });
+  const Position moved = minus(points_[vertex], before);
+  if (dot(moved, moved) < kNoStep * kNoStep * farthest.squared) step(farthest.tip);
 }
 
 SampledSurface Contraction::surface() const {

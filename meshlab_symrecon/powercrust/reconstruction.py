@@ -184,7 +184,8 @@ def reconstruct(
     """
     recipe = recipe or Recipe()
     stages = Stages(progress)
-    cloud = normalised(as_points(points))
+    given = as_points(points)
+    cloud = normalised(given)
     voronoi, poles, strange = _surface_poles(cloud.samples, recipe, stages)
     cloud = cloud.without(strange)
     limits = _limits(poles, recipe)
@@ -201,7 +202,7 @@ def reconstruct(
     surface, largest_cap, opened = _trimmed(surface, cloud.samples, poles, recipe, stages)
     stages.end()
     return PowerCrust(
-        points=cloud.to_input(surface.points),
+        points=cloud.at_samples(surface.points, surface.nearest, given),
         faces=surface.faces,
         nearest=cloud.source[surface.nearest],
         axis=replace(axis, points=cloud.to_input(axis.points), radii=axis.radii / cloud.scale),
