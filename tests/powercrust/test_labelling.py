@@ -49,6 +49,11 @@ def noisy_statue(seed):
     return np.vstack([samples, rng.uniform(-1.5, 1.5, (60, 3))])
 
 
+def crowd():
+    """A sample in the middle of others: the balls of all of them meet there."""
+    return np.vstack([shapes.statue(300, seed=1), np.zeros(3)])
+
+
 # ------------------------------------------------------------------------------- the pole graph
 
 
@@ -80,7 +85,7 @@ def brute_force_pairs(poles, diagram):
         shapes.torus(300, seed=2),
         noisy_statue(3)[:400],
         shapes.box_lattice(3),
-        np.vstack([noisy_statue(3)[:300], np.zeros(3)]),
+        crowd(),
     ],
     ids=["torus", "noisy", "lattice", "crowded"],
 )
@@ -99,9 +104,8 @@ def test_the_pole_graph_holds_every_pair_that_meets(samples):
         assert (np.diff(row) > 0).all()
 
 
-def test_a_crowd_of_balls_is_a_crowd():
-    """The case above with more balls at one sample than may all be paired."""
-    poles, _ = poles_of(np.vstack([noisy_statue(3)[:300], np.zeros(3)]))
+def test_more_balls_meet_in_a_crowd_than_may_all_be_paired():
+    poles, _ = poles_of(crowd())
     assert np.bincount(poles.samples.ravel())[300] > 5 * MOST_PARTNERS
 
 
