@@ -24,7 +24,7 @@ __all__ = ["Intersections", "Opposites", "intersections", "opposites", "shown_po
 SmallIndices: TypeAlias = NDArray[np.int32]
 
 FLATTEST = 1.0 - 1e-9  # cosine of poles straight across; keeps -log of it above zero
-MOST_PARTNERS = 24  # balls that meet in a sample, of which about eight are usual
+MOST_PARTNERS = 24  # at a sample with more balls (about eight are usual) the largest meet the rest
 LONG = 3.0  # spacings: a sample with both poles farther than this lies on the surface for certain
 TYPICAL = 1.5  # times the median length, where noise makes most cells round
 STEEPNESS = 4.0  # power with which certainty falls with nearer poles
