@@ -32,8 +32,8 @@ void bind_surfaces(nb::module_& module) {
         std::vector<std::uint8_t> settled;
         {
           nb::gil_scoped_release release;
-          settled = settle_sides(rows<Position>(sites), rows<Quad>(cells), rows<Quad>(neighbours),
-                                 samples, row(sides), smallest);
+          settled = settle_sides(view_rows<Position>(sites), view_rows<Quad>(cells),
+                                 view_rows<Quad>(neighbours), samples, view_row(sides), smallest);
         }
         return give(std::move(settled));
       },

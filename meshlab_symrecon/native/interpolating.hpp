@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "crust.hpp"
+#include "view.hpp"
 
 namespace symrecon {
 
@@ -32,8 +33,7 @@ std::vector<std::uint8_t> label_cells(const std::vector<Position>& sites,
 // Sides whose boundary is a manifold, changed for that as little as need be, without pieces of
 // fewer than `smallest` facets, and then as smooth as exchanges of triangles make it.  Cells with a
 // site from `samples` on must be outer, and stay so; throws std::invalid_argument otherwise.
-std::vector<std::uint8_t> settle_sides(const std::vector<Position>& sites, const std::vector<Quad>& cells,
-                                       const std::vector<Quad>& neighbours, std::int32_t samples,
-                                       std::vector<std::uint8_t> sides, std::int64_t smallest);
+std::vector<std::uint8_t> settle_sides(View<Position> sites, View<Quad> cells, View<Quad> neighbours,
+                                       std::int32_t samples, View<std::uint8_t> sides, std::int64_t smallest);
 
 }  // namespace symrecon
