@@ -45,15 +45,30 @@ class CellSides {
   };
   using Chosen = std::vector<std::int32_t>;
 
-  // The corners of a cell across from cells of its own side and of the other one.
+  // Two corners of a cell across from cells of its own side, and two across from the other side.
   struct Halves {
-    std::int32_t own[4], other[4];
+    std::int32_t own[2], other[2];
+  };
+
+  struct Pieces {
+    std::vector<std::int32_t> of_cell;  // the first cell of the piece that each cell is in
+    std::vector<std::int64_t> facets;   // on the boundary, at each piece's first cell
+    std::vector<std::uint8_t> fixed;    // has a cell that cannot be turned over, likewise
   };
 
   // A walk round an edge through the cells there: out of this cell across the facet opposite `behind`,
   // which leads from its corner `behind` to its corner `ahead`.
   struct Turn {
     std::int32_t from, to, cell, behind, ahead;
+  };
+
+  // Two boundary triangles of a cell for its other two.
+  struct Exchange {
+    std::int32_t cell;
+    double gain;
+    // Cells on either side of the cell's triangles and of those that share an edge with them: where
+    // the gain depends on this exchange, and this one's on theirs.
+    std::array<std::int32_t, 12> near;
   };
 
   bool movable(std::int32_t cell) const;  // has samples only for corners
@@ -68,7 +83,8 @@ class CellSides {
   void turn(const Chosen& chosen);
   void collect_touched(const Chosen& chosen);
   double growth(const Chosen& chosen) const;
-  void keep_pieces_from(std::int64_t smallest, Side side);
+  Pieces pieces() const;
+  bool turn_pieces(const Pieces& pieces, std::int64_t smallest, Side side);
   double facet_area(std::int32_t cell, int corner) const;
   bool is_off(std::int32_t sample) const;
   bool take_in(std::int32_t sample);
@@ -77,8 +93,11 @@ class CellSides {
   bool has_pair(std::int32_t cell) const;
   Halves halves(std::int32_t cell) const;
   std::int32_t leave_side(Turn& turn) const;
-  bool can_exchange(std::int32_t cell) const;
-  double flattening(std::int32_t cell) const;
+  template <class Visit>
+  void go_round(std::int32_t cell, const std::int32_t (&edge)[2], const std::int32_t (&facing)[2],
+                Visit&& visit) const;
+  Exchange exchange(std::int32_t cell) const;
+  bool is_greatest(const Exchange& exchange, const std::vector<double>& gains) const;
   double bend(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right) const;
 
   const std::int32_t samples_;

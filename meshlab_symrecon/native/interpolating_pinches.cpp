@@ -3,6 +3,7 @@
 
 #include "cell_order.hpp"
 #include "cell_sides.hpp"
+#include "disjoint_sets.hpp"
 
 namespace symrecon {
 
@@ -236,49 +237,47 @@ double CellSides::growth(const Chosen& chosen) const {
   return gain;
 }
 
-// Turn over the pieces of a side that have fewer boundary facets.
-void CellSides::keep_pieces_from(std::int64_t smallest, Side side) {
-  ++stamp_;
-  std::vector<Chosen> small;
-  std::int64_t largest = -1;
-  std::size_t largest_place = 0;  // among the small ones, when it is one of them
-  for (std::size_t first = 0; first < cells_.size(); ++first) {
-    if (sides_[first] != side || seen_[first] == stamp_) continue;
-    Chosen piece(1, static_cast<std::int32_t>(first));
-    seen_[first] = stamp_;
-    std::int64_t facets = 0;
-    bool free = true;
-    for (std::size_t reached = 0; reached < piece.size(); ++reached) {
-      const std::int32_t cell = piece[reached];
-      free = free && movable(cell);
-      for (const std::int32_t next : cells_[cell].across) {
-        if (next < 0) continue;
-        if (sides_[next] != side) {
-          ++facets;
-        } else if (seen_[next] != stamp_) {
-          seen_[next] = stamp_;
-          piece.push_back(next);
-        }
-      }
-    }
-    if (facets > largest) {
-      largest = facets;
-      largest_place = small.size();
-    }
-    if (free && facets < smallest) small.push_back(std::move(piece));
+// The pieces of either side, by their first cells, and how many boundary facets each has there.
+CellSides::Pieces CellSides::pieces() const {
+  const auto count = static_cast<std::int32_t>(cells_.size());
+  DisjointSets joined(count);
+  for (std::int32_t cell = 0; cell < count; ++cell)
+    for (const std::int32_t next : cells_[cell].across)
+      if (next >= 0 && next < cell && sides_[next] == sides_[cell]) joined.join(cell, next);
+  Pieces found{std::vector<std::int32_t>(count), std::vector<std::int64_t>(count, 0),
+               std::vector<std::uint8_t>(count, 0)};
+  for (std::int32_t cell = 0; cell < count; ++cell) {
+    const std::int32_t piece = found.of_cell[cell] = joined.find(cell);
+    for (const std::int32_t next : cells_[cell].across)
+      found.facets[piece] += next >= 0 && sides_[next] != sides_[cell];
+    if (!movable(cell)) found.fixed[piece] = 1;
   }
-  const bool spare_largest = side == inner_side && largest < smallest;
-  for (std::size_t place = 0; place < small.size(); ++place) {
-    if (spare_largest && place == largest_place) continue;
-    turn(small[place]);
-    collect_touched(small[place]);
-    for (const std::int32_t sample : touched_) pinches_[sample] = count_pinches(sample);
+  return found;
+}
+
+// Turn over the pieces of a side with fewer boundary facets, of inner ones not the largest; false when
+// there are none.
+bool CellSides::turn_pieces(const Pieces& pieces, std::int64_t smallest, Side side) {
+  const auto count = static_cast<std::int32_t>(cells_.size());
+  std::int32_t spared = -1;
+  for (std::int32_t cell = 0; side == inner_side && cell < count; ++cell)
+    if (sides_[cell] == side && (spared < 0 || pieces.facets[cell] > pieces.facets[spared])) spared = cell;
+  Chosen small;
+  for (std::int32_t cell = 0; cell < count; ++cell) {
+    const std::int32_t piece = pieces.of_cell[cell];
+    if (sides_[cell] == side && pieces.facets[piece] < smallest && !pieces.fixed[piece] && piece != spared)
+      small.push_back(cell);
   }
+  turn(small);
+  collect_touched(small);
+  for (const std::int32_t sample : touched_) pinches_[sample] = count_pinches(sample);
+  return !small.empty();
 }
 
 void CellSides::turn_small_pieces(std::int64_t smallest) {
-  keep_pieces_from(smallest, inner_side);
-  keep_pieces_from(smallest, outer_side);
+  Pieces found = pieces();
+  if (turn_pieces(found, smallest, inner_side)) found = pieces();
+  turn_pieces(found, smallest, outer_side);
 }
 
 }  // namespace symrecon

@@ -1,7 +1,5 @@
 #include <cmath>
-#include <queue>
 #include <stdexcept>
-#include <utility>
 
 #include "cell_sides.hpp"
 
@@ -101,16 +99,15 @@ std::int32_t CellSides::leave_side(Turn& turn) const {
   return next;
 }
 
-// Is the edge that the other two triangles of such a cell share free of the boundary?
-bool CellSides::can_exchange(std::int32_t cell) const {
-  const auto [own, other] = halves(cell);
-  Turn turn{other[0], other[1], cell, own[0], own[1]};
-  do {
-    const std::int32_t next = next_cell(turn);
-    if (sides_[next] != sides_[cell]) return false;
+// Visit the other cells round the edge of a cell that two of its corners make.
+template <class Visit>
+void CellSides::go_round(std::int32_t cell, const std::int32_t (&edge)[2], const std::int32_t (&facing)[2],
+                         Visit&& visit) const {
+  Turn turn{edge[0], edge[1], cell, facing[0], facing[1]};
+  for (std::int32_t next = next_cell(turn); next != cell; next = next_cell(turn)) {
+    visit(next);
     step(turn, next);
-  } while (turn.cell != cell);
-  return true;
+  }
 }
 
 // Length of an edge times the sine of half the angle by which the triangles to its left and right are
@@ -138,51 +135,83 @@ double CellSides::bend(std::int32_t from, std::int32_t to, std::int32_t left, st
   return std::sqrt(square * std::max(0.0, 0.5 - 0.5 * cosine));
 }
 
-// By how much turning over such a cell lessens the boundary's total bend; 0 when it does not.
-double CellSides::flattening(std::int32_t cell) const {
+// By how much turning over a cell with a pair lessens the boundary's total bend; at most 0 when it
+// does not, or when it would make four triangles meet at an edge.
+CellSides::Exchange CellSides::exchange(std::int32_t cell) const {
   const auto [own, other] = halves(cell);
+  Exchange found{cell, 0.0, {}};
   double before = bend(own[0], own[1], other[0], other[1]);
   double after = bend(other[0], other[1], own[0], own[1]);
+  int count = 0;
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j) {
       Turn turn{own[i], other[j], cell, own[1 - i], other[1 - j]};
-      leave_side(turn);
+      found.near[count++] = leave_side(turn);
+      found.near[count++] = turn.cell;
       before += bend(own[i], other[j], turn.ahead, own[1 - i]);
       after += bend(own[i], other[j], turn.ahead, other[1 - j]);
     }
-  return after < before * (1.0 - kRounding) ? before - after : 0.0;
+  for (const std::int32_t next : cells_[cell].across) found.near[count++] = next;
+  if (after >= before * (1.0 - kRounding)) return found;
+  bool free = true;
+  go_round(cell, other, own, [&](std::int32_t next) { free = free && sides_[next] == sides_[cell]; });
+  found.gain = free ? before - after : 0.0;
+  return found;
 }
 
-void CellSides::smooth() {
-  // the greatest gain first, so that the result does not depend on the order of the cells
-  std::priority_queue<std::pair<double, std::int32_t>> waiting;
-  std::vector<double> gains(cells_.size(), 0.0);
-  Chosen changed;
-  const auto wait = [&](std::int32_t cell) {
-    double gain = has_pair(cell) ? flattening(cell) : 0.0;
-    if (gain > 0.0 && !can_exchange(cell)) gain = 0.0;
-    if (gain > 0.0 && gain != gains[cell]) waiting.push({gain, cell});
-    gains[cell] = gain;
+// Does an exchange gain more than all others that it has to do with?
+bool CellSides::is_greatest(const Exchange& exchange, const std::vector<double>& gains) const {
+  bool greatest = true;
+  const auto compare = [&](std::int32_t next) {
+    const bool more = gains[next] > exchange.gain ||
+                      (gains[next] == exchange.gain && given_cell_[next] > given_cell_[exchange.cell]);
+    greatest = greatest && !more;
   };
-  for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(cells_.size()); ++cell) wait(cell);
-  while (!waiting.empty()) {
-    const auto [gain, cell] = waiting.top();
-    waiting.pop();
-    if (gain != gains[cell]) continue;  // something near has changed since
-    // A gain depends on the triangles next to the cell's own.  So it changes at the cells on either
-    // side of the triangles of this one, and of those that share an edge with them.
+  for (const std::int32_t next : exchange.near) compare(next);
+  if (!greatest) return false;
+  const auto [own, other] = halves(exchange.cell);
+  go_round(exchange.cell, other, own, compare);
+  return greatest;
+}
+
+// In rounds, each of which does all exchanges that gain more than any near them.  Those do not touch
+// each other, so the result does not depend on the order of the cells.
+void CellSides::smooth() {
+  std::vector<double> gains(cells_.size(), 0.0);
+  std::vector<Exchange> waiting;
+  std::vector<std::size_t> greatest;  // places among those that wait
+  Chosen changed;
+  for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(cells_.size()); ++cell)
+    if (has_pair(cell)) changed.push_back(cell);
+  ++stamp_;
+  while (!changed.empty()) {
+    const auto is_changed = [&](const Exchange& exchange) { return seen_[exchange.cell] == stamp_; };
+    waiting.erase(std::remove_if(waiting.begin(), waiting.end(), is_changed), waiting.end());
+    for (const std::int32_t cell : changed) {
+      gains[cell] = 0.0;
+      if (!has_pair(cell)) continue;
+      const Exchange found = exchange(cell);
+      gains[cell] = found.gain;
+      if (found.gain > 0.0) waiting.push_back(found);
+    }
     changed.clear();
-    const auto [own, other] = halves(cell);
-    for (int i = 0; i < 2; ++i)
-      for (int j = 0; j < 2; ++j) {
-        Turn turn{own[i], other[j], cell, own[1 - i], other[1 - j]};
-        changed.push_back(leave_side(turn));
-        changed.push_back(turn.cell);
-      }
-    sides_[cell] ^= 1;
-    for (const std::int32_t near : changed) wait(near);
-    for (const std::int32_t near : cells_[cell].across) wait(near);
-    gains[cell] = 0.0;
+    greatest.clear();
+    for (std::size_t place = 0; place < waiting.size(); ++place)
+      if (is_greatest(waiting[place], gains)) greatest.push_back(place);
+    ++stamp_;
+    const auto change = [&](std::int32_t cell) {
+      if (seen_[cell] != stamp_) changed.push_back(cell);
+      seen_[cell] = stamp_;
+    };
+    for (const std::size_t place : greatest) {
+      const Exchange& exchange = waiting[place];
+      const auto [own, other] = halves(exchange.cell);
+      sides_[exchange.cell] ^= 1;
+      change(exchange.cell);
+      for (const std::int32_t next : exchange.near) change(next);
+      go_round(exchange.cell, own, other, change);  // here there was an edge of the boundary,
+      go_round(exchange.cell, other, own, change);  // and here is one now
+    }
   }
 }
 
