@@ -6,6 +6,8 @@
 
 #include "bindings.hpp"
 #include "crust.hpp"
+#include "far_faces.hpp"
+#include "near_points.hpp"
 #include "poles.hpp"
 #include "surface_topology.hpp"
 
@@ -140,6 +142,32 @@ void bind_crust(nb::module_& module) {
       nb::arg("points"), nb::arg("faces"), nb::arg("nearest"), nb::arg("samples"), nb::arg("spacing"),
       nb::arg("weld"), nb::arg("flat"), nb::arg("progress") = nb::none(),
       "Contract edges of a closed manifold where the link condition holds: points, faces, nearest.");
+  module.def(
+      "nearest_kept",
+      [](Rows<double> points, Row<double> reach, Row<std::int32_t> order, double widest) {
+        std::vector<std::int32_t> keeper;
+        {
+          nb::gil_scoped_release release;
+          keeper = nearest_kept(view_rows<Position>(points), view_row(reach), view_row(order), widest);
+        }
+        return give(std::move(keeper));
+      },
+      nb::arg("points"), nb::arg("reach"), nb::arg("order"), nb::arg("widest"),
+      "For each point the nearest one kept within its reach; points are kept in the given order.");
+  module.def(
+      "far_faces",
+      [](Rows<double> points, Rows<std::int32_t> faces, Row<std::int32_t> nearest, Rows<double> samples,
+         Row<double> spacing, double multiple) {
+        std::vector<std::int32_t> far;
+        {
+          nb::gil_scoped_release release;
+          far = far_faces(view_rows<Position>(points), view_rows<Triangle>(faces), view_row(nearest),
+                          view_rows<Position>(samples), view_row(spacing), multiple);
+        }
+        return give(std::move(far));
+      },
+      nb::arg("points"), nb::arg("faces"), nb::arg("nearest"), nb::arg("samples"), nb::arg("spacing"),
+      nb::arg("multiple"), "Faces with a place farther from the samples near their corners than the spacing explains.");
   module.def(
       "surface_topology",
       [](Rows<std::int32_t> faces, std::int32_t vertex_count) {

@@ -93,6 +93,11 @@ std::vector<Site> gather(const PointArray& points) {
   return sites;
 }
 
+void stop_on_interrupt() {
+  nb::gil_scoped_acquire hold;
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
 nb::tuple find_poles_of(const PointArray& points, const CellArray& cells, std::int32_t samples) {
   require_known_sites(cells, points.shape(0));
   const Quad* const first = reinterpret_cast<const Quad*>(cells.data());
@@ -101,8 +106,8 @@ nb::tuple find_poles_of(const PointArray& points, const CellArray& cells, std::i
   {
     const std::vector<Site> sites = gather(points);
     nb::gil_scoped_release release;
-    poles = find_poles(sites, first, cells.shape(0), samples);
-    spacings = sample_spacings(sites, first, cells.shape(0), samples);
+    poles = find_poles(sites, first, cells.shape(0), samples, stop_on_interrupt);
+    spacings = sample_spacings(sites, first, cells.shape(0), samples, stop_on_interrupt);
   }
   const std::size_t count = poles.cells.size(), rows = poles.first.size();
   return nb::make_tuple(to_numpy<Vector>(std::move(poles.cells), {count}), to_numpy<Centres>(std::move(poles.centres), {count, 3}),

@@ -41,6 +41,22 @@ class NormalCloud:
         restored: Points = points / self.scale + self.centre
         return restored
 
+    def at_samples(self, points: Points, nearest: Indices, given: Points) -> Points:
+        """Return positions in the units of the points given, samples bit for bit.
+
+        Parameters
+        ----------
+        points : (v, 3) float
+        nearest : (v,) int
+            The sample nearest to each.
+        given : (m, 3) float
+            The points given.
+        """
+        restored = self.to_input(points)
+        here = np.all(points == self.samples[nearest], axis=1)
+        restored[here] = given[self.source[nearest[here]]]
+        return restored
+
     def without(self, left_out: Booleans) -> NormalCloud:
         """Return the cloud without some samples."""
         return replace(self, samples=self.samples[~left_out], source=self.source[~left_out])

@@ -24,6 +24,7 @@ from meshlab_symrecon.powercrust.crust import crust_faces
 from meshlab_symrecon.powercrust.interpolating import interpolating_faces
 from meshlab_symrecon.powercrust.labelling import METHODS, Labels, label_poles
 from meshlab_symrecon.powercrust.medial_axis import MedialAxis, medial_axis
+from meshlab_symrecon.powercrust.near_poles import join_near_poles
 from meshlab_symrecon.powercrust.normal_cloud import normalised
 from meshlab_symrecon.powercrust.outliers import outliers
 from meshlab_symrecon.powercrust.poles import Poles, enclose, find_poles
@@ -183,11 +184,14 @@ def reconstruct(
     """
     recipe = recipe or Recipe()
     stages = Stages(progress)
-    cloud = normalised(as_points(points))
+    given = as_points(points)
+    cloud = normalised(given)
     voronoi, poles, strange = _surface_poles(cloud.samples, recipe, stages)
     cloud = cloud.without(strange)
     limits = _limits(poles, recipe)
+    found = len(poles.centres)
     poles, dropped = drop_small_balls(poles, limits.ball)
+    poles = join_near_poles(poles)
     diagram = _power_diagram(poles, stages)
     labels = _labels(poles, diagram, recipe, limits, stages)
     if diagram is None or not labels.inside.any():
@@ -198,14 +202,14 @@ def reconstruct(
     surface, largest_cap, opened = _trimmed(surface, cloud.samples, poles, recipe, stages)
     stages.end()
     return PowerCrust(
-        points=cloud.to_input(surface.points),
+        points=cloud.at_samples(surface.points, surface.nearest, given),
         faces=surface.faces,
         nearest=cloud.source[surface.nearest],
         axis=replace(axis, points=cloud.to_input(axis.points), radii=axis.radii / cloud.scale),
         topology=topology(surface.faces),
         largest_cap=largest_cap,
         opened=opened,
-        poles=len(poles.centres) + dropped,
+        poles=found,
         dropped_poles=dropped,
         unreached_poles=labels.unreached,
         flipped_poles=labels.flipped,
@@ -318,7 +322,7 @@ def _trimmed(
 ) -> tuple[Surface, float, int]:
     """Return the surface without too wide caps, the width of its widest one, and how many went."""
     stages.begin("measuring caps", until=1.0)
-    caps = find_caps(surface.points, surface.faces, samples, poles.room)
+    caps = find_caps(surface.points, surface.faces, surface.nearest, samples, poles.room)
     if recipe.widest_cap == 0.0 or caps.largest <= recipe.widest_cap:
         return surface, caps.largest, 0
     trimmed = trim(surface.points, surface.faces, caps, recipe.widest_cap)
