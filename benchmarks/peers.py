@@ -97,6 +97,7 @@ def cgal_insertions(samples: np.ndarray) -> Prepared:
     )
 
     from meshlab_symrecon.geometry.triangulation import delaunay
+    from meshlab_symrecon.powercrust.near_poles import join_near_poles
     from meshlab_symrecon.powercrust.poles import enclose, find_poles
     from meshlab_symrecon.powercrust.small_balls import (
         drop_small_balls,
@@ -106,6 +107,7 @@ def cgal_insertions(samples: np.ndarray) -> Prepared:
     sites = enclose(samples)
     poles = find_poles(delaunay(sites), len(samples))
     poles, _ = drop_small_balls(poles, noise_limits(poles).ball)
+    poles = join_near_poles(poles)
     points = [Point_3(*site) for site in sites.tolist()]
     balls = [
         Weighted_point_3(Point_3(*centre), weight)
