@@ -22,7 +22,7 @@ class NormalCloud:
     Attributes
     ----------
     samples : (n, 3) float
-        In lexicographic order.
+        Along a Hilbert curve, so that what is near in space is near in memory.
     source : (n,) int
         The number of each sample among the points given, the first of equal ones.
     centre : (3,) float
@@ -75,5 +75,5 @@ def normalised(points: Points) -> NormalCloud:
     centre: Floats = 0.5 * (low + high)
     scale = float(2.0 ** -np.ceil(np.log2((high - low).max())))
     moved = (points - centre) * scale + 0.0  # no negative zeros
-    order = _native.lexicographic_order(moved).astype(np.int64)
+    order = _native.curve_order(moved).astype(np.int64)
     return NormalCloud(moved[order], order, centre, scale)

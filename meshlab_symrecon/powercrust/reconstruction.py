@@ -221,21 +221,20 @@ def reconstruct(
 
 def _surface_poles(
     samples: Points, recipe: Recipe, stages: Stages
-) -> tuple[Triangulation, Poles, Booleans]:
-    """Return the Delaunay triangulation and poles of samples of a surface, and who is none."""
+) -> tuple[Triangulation | None, Poles, Booleans]:
+    """Return the Delaunay triangulation, where it is still needed, the poles, and the outliers."""
     report = stages.begin("triangulating the samples", until=0.2)
     voronoi = delaunay(enclose(samples), progress=report)
     stages.begin("finding poles", until=0.25)
     poles = find_poles(voronoi, len(samples))
-    strange = np.zeros(len(samples), dtype=bool)
-    if recipe.keep_outliers:
-        return voronoi, poles, strange
-    strange = outliers(voronoi, poles)
+    needed = voronoi if recipe.surface == "interpolating" else None  # it takes a lot of memory
+    nobody = np.zeros(len(samples), dtype=bool)
+    strange = nobody if recipe.keep_outliers else outliers(voronoi, poles)
     if not strange.any() or not is_solid(samples[~strange]):
-        return voronoi, poles, np.zeros_like(strange)
+        return needed, poles, nobody
     again = replace(recipe, keep_outliers=True)
-    voronoi, poles, _ = _surface_poles(samples[~strange], again, stages)
-    return voronoi, poles, strange
+    needed, poles, _ = _surface_poles(samples[~strange], again, stages)
+    return needed, poles, strange
 
 
 def _limits(poles: Poles, recipe: Recipe) -> NoiseLimits:
@@ -276,7 +275,7 @@ def _labels(
 
 
 def _surface(
-    voronoi: Triangulation,
+    voronoi: Triangulation | None,
     poles: Poles,
     diagram: Triangulation,
     labels: Labels,
@@ -284,7 +283,7 @@ def _surface(
     stages: Stages,
 ) -> Surface:
     report = stages.begin("extracting the surface", until=0.9)
-    if recipe.surface == "interpolating":
+    if voronoi is not None:
         through = interpolating_faces(voronoi, poles, diagram, labels.inside)
         return Surface(through.points, through.faces, through.samples)
     crust = crust_faces(poles, diagram, labels.inside, progress=report)
