@@ -1,4 +1,5 @@
 # make demo: repair a real incomplete scan and look at it.   make test: every check.
+# make bench: time, memory and quality of the Power Crust beside its peers.
 # Needs Python 3.10 or newer, a C++17 compiler and make; everything else goes into .venv.
 PYTHON ?= python3
 VENV := .venv
@@ -6,7 +7,7 @@ BIN := $(VENV)/bin
 SOURCES := pyproject.toml $(shell find meshlab_symrecon filters -name '*.py' -o -name '*.?pp' -o -name 'CMakeLists.txt' -o -name '*.json' -o -name '*.pyi')
 DEMO := demo_output
 
-.PHONY: demo test lint unit docs clean
+.PHONY: demo test lint unit bench docs clean
 
 demo: $(VENV)/installed
 	mkdir -p $(DEMO)
@@ -27,6 +28,9 @@ lint: $(VENV)/installed-dev
 
 unit: $(VENV)/installed-dev
 	$(BIN)/pytest
+
+bench: $(VENV)/installed-dev
+	$(BIN)/python benchmarks/power_crust.py
 
 docs: $(VENV)/installed-dev
 	$(BIN)/symrecon filters --markdown > docs/filters.md

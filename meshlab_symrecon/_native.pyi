@@ -131,7 +131,7 @@ def find_poles(
     NDArray[np.float64],
     NDArray[np.float64],
 ]: ...
-def lexicographic_order(points: NDArray[np.float64]) -> NDArray[np.int32]: ...
+def curve_order(points: NDArray[np.float64]) -> NDArray[np.int32]: ...
 def turn_small_pieces(
     cells: NDArray[np.int32],
     labels: NDArray[np.uint8],
@@ -139,6 +139,20 @@ def turn_small_pieces(
     samples: NDArray[np.int32],
     smallest: float,
 ) -> NDArray[np.uint8]: ...
+def nearest_kept(
+    points: NDArray[np.float64],
+    reach: NDArray[np.float64],
+    order: NDArray[np.int32],
+    widest: float,
+) -> NDArray[np.int32]: ...
+def far_faces(
+    points: NDArray[np.float64],
+    faces: NDArray[np.int32],
+    nearest: NDArray[np.int32],
+    samples: NDArray[np.float64],
+    spacing: NDArray[np.float64],
+    multiple: float,
+) -> NDArray[np.int32]: ...
 def surface_topology(
     faces: NDArray[np.int32], vertex_count: int
 ) -> tuple[int, int, int, int, int, int, int, NDArray[np.int32]]: ...

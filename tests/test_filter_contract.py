@@ -104,7 +104,8 @@ def arrays_of(outcome: Outcome) -> list[bytes]:
     for layer in outcome.layers:
         values = [getattr(layer, field.name) for field in fields(layer)]
         found += [value.tobytes() for value in values if isinstance(value, np.ndarray)]
-    return found + [repr(value).encode() for value in outcome.measures.values()]
+    told = (value for name, value in outcome.measures.items() if name != "seconds")
+    return found + [repr(value).encode() for value in told]
 
 
 every_filter = pytest.mark.parametrize("item", FILTERS, ids=lambda item: item.python_name)
@@ -148,7 +149,7 @@ BAD_POINTS = {
     "one point": np.zeros((1, 3)),
     "two points": np.eye(3)[:2],
     "three points": np.eye(3),
-    "four points": np.vstack([np.eye(3), np.zeros(3)]),
+    "four points in a plane": np.vstack([np.eye(3)[:2], -np.eye(3)[:2]]),
     "one point many times": np.ones((50, 3)),
     "collinear": np.outer(np.arange(50.0), [1.0, 2.0, 3.0]),
     "coplanar": np.column_stack([np.random.default_rng(0).random((50, 2)), np.zeros(50)]),

@@ -1,11 +1,9 @@
 // numpy borders of the crust's loops.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-
-#include <cstring>
-
 #include "bindings.hpp"
 #include "crust.hpp"
+#include "far_faces.hpp"
+#include "near_points.hpp"
+#include "numpy_borders.hpp"
 #include "poles.hpp"
 #include "surface_topology.hpp"
 
@@ -13,49 +11,6 @@ namespace nb = nanobind;
 
 namespace symrecon {
 namespace {
-
-template <typename T>
-using Rows = nb::ndarray<const T, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-template <typename T>
-using Row = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-
-template <typename Item, typename T>
-std::vector<Item> rows(const Rows<T>& array) {
-  if (array.shape(1) * sizeof(T) != sizeof(Item)) throw std::invalid_argument("wrong row width");
-  std::vector<Item> items(array.shape(0));
-  std::memcpy(items.data(), array.data(), items.size() * sizeof(Item));
-  return items;
-}
-
-template <typename T>
-std::vector<T> row(const Row<T>& array) {
-  return std::vector<T>(array.data(), array.data() + array.shape(0));
-}
-
-template <typename T>
-nb::ndarray<nb::numpy, T> give(std::vector<T>&& values) {
-  auto* owner = new std::vector<T>(std::move(values));
-  nb::capsule release(owner, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-  return nb::ndarray<nb::numpy, T>(owner->data(), {owner->size()}, release);
-}
-
-template <typename T, typename Item>
-nb::ndarray<nb::numpy, T> give_rows(std::vector<Item>&& values) {
-  auto* owner = new std::vector<Item>(std::move(values));
-  nb::capsule release(owner, [](void* p) noexcept { delete static_cast<std::vector<Item>*>(p); });
-  return nb::ndarray<nb::numpy, T>(owner->data(), {owner->size(), sizeof(Item) / sizeof(T)}, release);
-}
-
-template <typename Item, typename T>
-View<Item> view_rows(const Rows<T>& array) {
-  if (array.shape(1) * sizeof(T) != sizeof(Item)) throw std::invalid_argument("wrong row width");
-  return {reinterpret_cast<const Item*>(array.data()), array.shape(0)};
-}
-
-template <typename T>
-View<T> view_row(const Row<T>& array) {
-  return {array.data(), array.shape(0)};
-}
 
 nb::tuple give_surface(SampledSurface&& surface) {
   return nb::make_tuple(give_rows<double>(std::move(surface.points)),
@@ -140,6 +95,32 @@ void bind_crust(nb::module_& module) {
       nb::arg("points"), nb::arg("faces"), nb::arg("nearest"), nb::arg("samples"), nb::arg("spacing"),
       nb::arg("weld"), nb::arg("flat"), nb::arg("progress") = nb::none(),
       "Contract edges of a closed manifold where the link condition holds: points, faces, nearest.");
+  module.def(
+      "nearest_kept",
+      [](Rows<double> points, Row<double> reach, Row<std::int32_t> order, double widest) {
+        std::vector<std::int32_t> keeper;
+        {
+          nb::gil_scoped_release release;
+          keeper = nearest_kept(view_rows<Position>(points), view_row(reach), view_row(order), widest);
+        }
+        return give(std::move(keeper));
+      },
+      nb::arg("points"), nb::arg("reach"), nb::arg("order"), nb::arg("widest"),
+      "For each point the nearest one kept within its reach; points are kept in the given order.");
+  module.def(
+      "far_faces",
+      [](Rows<double> points, Rows<std::int32_t> faces, Row<std::int32_t> nearest, Rows<double> samples,
+         Row<double> spacing, double multiple) {
+        std::vector<std::int32_t> far;
+        {
+          nb::gil_scoped_release release;
+          far = far_faces(view_rows<Position>(points), view_rows<Triangle>(faces), view_row(nearest),
+                          view_rows<Position>(samples), view_row(spacing), multiple);
+        }
+        return give(std::move(far));
+      },
+      nb::arg("points"), nb::arg("faces"), nb::arg("nearest"), nb::arg("samples"), nb::arg("spacing"),
+      nb::arg("multiple"), "Faces with a place farther from the samples near their corners than the spacing explains.");
   module.def(
       "surface_topology",
       [](Rows<std::int32_t> faces, std::int32_t vertex_count) {

@@ -16,9 +16,9 @@ void bind_surfaces(nb::module_& module) {
         std::vector<std::uint8_t> found;
         {
           nb::gil_scoped_release release;
-          found = label_cells(rows<Position>(sites), rows<Quad>(cells), samples,
-                              {rows<Position>(centres), row(radii), rows<Quad>(on_balls), row(sides),
-                               rows<std::array<std::int32_t, 2>>(of_sample)});
+          found = label_cells(view_rows<Position>(sites), view_rows<Quad>(cells), samples,
+                              {view_rows<Position>(centres), view_row(radii), view_rows<Quad>(on_balls),
+                               view_row(sides), view_rows<PolePair>(of_sample)});
         }
         return give(std::move(found));
       },
@@ -32,8 +32,8 @@ void bind_surfaces(nb::module_& module) {
         std::vector<std::uint8_t> settled;
         {
           nb::gil_scoped_release release;
-          settled = settle_sides(rows<Position>(sites), rows<Quad>(cells), rows<Quad>(neighbours),
-                                 samples, row(sides), smallest);
+          settled = settle_sides(view_rows<Position>(sites), view_rows<Quad>(cells),
+                                 view_rows<Quad>(neighbours), samples, view_row(sides), smallest);
         }
         return give(std::move(settled));
       },
@@ -46,8 +46,8 @@ void bind_surfaces(nb::module_& module) {
         PowerShape shape;
         {
           nb::gil_scoped_release release;
-          shape = power_shape(rows<Quad>(cells), rows<Quad>(neighbours), row(part),
-                              rows<Position>(centres), row(radii), redundancy);
+          shape = power_shape(view_rows<Quad>(cells), view_rows<Quad>(neighbours), view_row(part),
+                              view_rows<Position>(centres), view_row(radii), redundancy);
         }
         return nb::make_tuple(give(std::move(shape.absorber)),
                               give_rows<std::int32_t>(std::move(shape.edges)),

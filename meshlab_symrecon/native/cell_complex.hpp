@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "memory_pages.hpp"
+#include "progress.hpp"
 
 namespace symrecon {
 
@@ -94,9 +95,11 @@ class CellComplex {
 
   // Their neighbours by number. Packed inside the old cells before the copy, so that the memory of the other half can be
   // given up; leaves the complex empty.
-  std::vector<Four> take_numbered_neighbours(const std::vector<std::int32_t>& number, std::size_t count) {
+  std::vector<Four> take_numbered_neighbours(const std::vector<std::int32_t>& number, std::size_t count,
+                                             const Checkpoint& checkpoint) {
     std::size_t packed = 0;
     for (std::size_t i = 0; i < cells_.size(); ++i) {
+      if (i % cells_per_checkpoint == 0) checkpoint();
       if (number[i] < 0) continue;
       Four renumbered;
       for (int k = 0; k < 4; ++k) renumbered[k] = number[cells_[i].neighbour[k]];
@@ -106,7 +109,10 @@ class CellComplex {
     abandon(cells_.data() + kept, (cells_.size() - kept) * sizeof(Cell));
     std::vector<Four> neighbours;
     neighbours.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) neighbours.push_back(packed_four(i));
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i % cells_per_checkpoint == 0) checkpoint();
+      neighbours.push_back(packed_four(i));
+    }
     std::vector<Cell>().swap(cells_);
     std::vector<Mark>().swap(marks_);
     std::vector<std::int32_t>().swap(free_);

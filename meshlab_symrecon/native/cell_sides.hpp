@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "interpolating.hpp"
+#include "view.hpp"
 
 namespace symrecon {
 
@@ -15,8 +16,9 @@ namespace symrecon {
 // connected through their edges.  Every further piece is a pinch.
 class CellSides {
  public:
-  CellSides(const std::vector<Position>& sites, const std::vector<Quad>& cells,
-            const std::vector<Quad>& neighbours, std::int32_t samples, std::vector<std::uint8_t> sides);
+  // Sites and cells are numbered anew, in a spatial order, because every step looks round about.
+  CellSides(View<Position> sites, View<Quad> cells, View<Quad> neighbours, std::int32_t samples,
+            View<std::uint8_t> sides);
 
   // Remove all pinches: turn over single cells, or all cells of a piece round a sample, whichever
   // removes most.  The sum of pinches falls with every step, so this ends.  Where no such step is
@@ -33,7 +35,8 @@ class CellSides {
   // Exchange two boundary triangles of a cell for its other two where that bends the boundary less.
   void smooth();
 
-  std::vector<std::uint8_t> sides() && { return std::move(sides_); }
+  // Of each cell, as numbered by the caller.
+  std::vector<std::uint8_t> sides() const;
 
  private:
   struct alignas(32) Corners {  // half a cache line: both are always needed
@@ -42,10 +45,30 @@ class CellSides {
   };
   using Chosen = std::vector<std::int32_t>;
 
+  // Two corners of a cell across from cells of its own side, and two across from the other side.
+  struct Halves {
+    std::int32_t own[2], other[2];
+  };
+
+  struct Pieces {
+    std::vector<std::int32_t> of_cell;  // the first cell of the piece that each cell is in
+    std::vector<std::int64_t> facets;   // on the boundary, at each piece's first cell
+    std::vector<std::uint8_t> fixed;    // has a cell that cannot be turned over, likewise
+  };
+
   // A walk round an edge through the cells there: out of this cell across the facet opposite `behind`,
   // which leads from its corner `behind` to its corner `ahead`.
   struct Turn {
     std::int32_t from, to, cell, behind, ahead;
+  };
+
+  // Two boundary triangles of a cell for its other two.
+  struct Exchange {
+    std::int32_t cell;
+    double gain;
+    // Cells on either side of the cell's triangles and of those that share an edge with them: where
+    // the gain depends on this exchange, and this one's on theirs.
+    std::array<std::int32_t, 12> near;
   };
 
   bool movable(std::int32_t cell) const;  // has samples only for corners
@@ -60,19 +83,27 @@ class CellSides {
   void turn(const Chosen& chosen);
   void collect_touched(const Chosen& chosen);
   double growth(const Chosen& chosen) const;
-  void keep_pieces_from(std::int64_t smallest, Side side);
+  Pieces pieces() const;
+  bool turn_pieces(const Pieces& pieces, std::int64_t smallest, Side side);
   double facet_area(std::int32_t cell, int corner) const;
+  bool is_off(std::int32_t sample) const;
   bool take_in(std::int32_t sample);
   std::int32_t next_cell(const Turn& turn) const;
   void step(Turn& turn, std::int32_t next) const;
   bool has_pair(std::int32_t cell) const;
-  bool can_exchange(std::int32_t cell) const;
-  double flattening(std::int32_t cell) const;
+  Halves halves(std::int32_t cell) const;
+  std::int32_t leave_side(Turn& turn) const;
+  template <class Visit>
+  void go_round(std::int32_t cell, const std::int32_t (&edge)[2], const std::int32_t (&facing)[2],
+                Visit&& visit) const;
+  Exchange exchange(std::int32_t cell) const;
+  bool is_greatest(const Exchange& exchange, const std::vector<double>& gains) const;
   double bend(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right) const;
 
-  const std::vector<Position>& sites_;
-  std::vector<Corners> cells_;
   const std::int32_t samples_;
+  std::vector<std::int32_t> given_sample_, given_cell_;  // their numbers with the caller
+  std::vector<Position> sites_;
+  std::vector<Corners> cells_;
   std::vector<std::uint8_t> sides_;
   std::vector<std::int32_t> start_, around_;  // the cells round each sample
   std::vector<std::int32_t> pinches_;         // of each sample

@@ -14,9 +14,10 @@ namespace {
 constexpr std::int32_t kVerticesPerReport = 1 << 14;
 constexpr double kSteepest = 0.2;    // cosine: a face may turn by 78 degrees at the most
 constexpr double kReach = 2.0;       // spacings: longer edges are not contracted
-constexpr int kTries = 4;            // edges tried at a vertex, the shortest first
+constexpr int kTries = 2;            // edges tried at a vertex, the shortest first
 constexpr double kStepAside = 0.01;  // of the way to the mean of the neighbours
-constexpr int kSteps = 8;            // aside, at the most
+constexpr double kNoStep = 1e-4;     // of the way to the farthest neighbour: no step at all
+constexpr int kSteps = 16;           // aside, at the most
 constexpr int kRounds = 2;           // of asking neighbours for their nearest samples
 constexpr float kDone = std::numeric_limits<float>::infinity();
 constexpr double kTurned = std::numeric_limits<double>::infinity();
@@ -56,6 +57,7 @@ class Contraction {
   std::int32_t earlier(std::int32_t hub) const;
   bool remove(std::int32_t hub);
   bool join_at(std::int32_t hub);
+  void step_aside(std::int32_t vertex);
 
   std::vector<Position> points_;
   View<std::int32_t> nearest_;
@@ -241,23 +243,43 @@ void Contraction::join_coincident() {
 // little towards their neighbours, so that no reader joins them and pinches the surface.
 void Contraction::part_coincident() {
   std::size_t living = 0;
-  for (std::int32_t vertex = 0; vertex < count(); ++vertex) living += halves_.exists(vertex);
-  PositionTable table(living);
+  double largest = 0.0;
+  for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
+    if (!halves_.exists(vertex)) continue;
+    ++living;
+    for (const double coordinate : points_[vertex]) largest = std::max(largest, std::fabs(coordinate));
+  }
+  PositionTable table(living, largest);
   std::vector<std::int32_t> doubled;
   for (const bool samples : {true, false})
     for (std::int32_t vertex = 0; vertex < count(); ++vertex)
       if (halves_.exists(vertex) && is_at_sample(vertex) == samples && !table.enter(points_, vertex))
         doubled.push_back(vertex);
-  for (const std::int32_t vertex : doubled)
-    for (int step = 0; step < kSteps; ++step) {
-      walk(vertex);
-      for (int axis = 0; axis < 3; ++axis) {
-        double sum = 0.0;
-        for (const Spoke& spoke : spokes_) sum += spoke.tip[axis];
-        points_[vertex][axis] += kStepAside * (sum / static_cast<double>(spokes_.size()) - points_[vertex][axis]);
-      }
-      if (table.enter(points_, vertex)) break;
-    }
+  // again and again, since a vertex among vertices of its own place cannot move before them
+  for (int step = 0; step < kSteps && !doubled.empty(); ++step)
+    doubled.erase(std::remove_if(doubled.begin(), doubled.end(),
+                                 [&](std::int32_t vertex) {
+                                   step_aside(vertex);
+                                   return table.enter(points_, vertex);
+                                 }),
+                  doubled.end());
+}
+
+// Towards the mean of the neighbours; from there, towards the farthest of them.
+void Contraction::step_aside(std::int32_t vertex) {
+  walk(vertex);
+  Position target{0.0, 0.0, 0.0};
+  for (const Spoke& spoke : spokes_)
+    for (int axis = 0; axis < 3; ++axis) target[axis] += spoke.tip[axis] / static_cast<double>(spokes_.size());
+  const Position before = points_[vertex];
+  const auto step = [&](const Position& end) {
+    for (int axis = 0; axis < 3; ++axis) points_[vertex][axis] += kStepAside * (end[axis] - before[axis]);
+  };
+  step(target);
+  const Spoke& farthest = *std::max_element(
+      spokes_.begin(), spokes_.end(), [](const Spoke& a, const Spoke& b) { return a.squared < b.squared; });
+  const Position moved = minus(points_[vertex], before);
+  if (dot(moved, moved) < kNoStep * kNoStep * farthest.squared) step(farthest.tip);
 }
 
 SampledSurface Contraction::surface() const {

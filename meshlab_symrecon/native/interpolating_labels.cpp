@@ -29,8 +29,7 @@ Position circumcentre(const Position& origin, const Position& a, const Position&
 
 }  // namespace
 
-std::vector<std::uint8_t> label_cells(const std::vector<Position>& sites,
-                                      const std::vector<Quad>& cells, std::int32_t samples,
+std::vector<std::uint8_t> label_cells(View<Position> sites, View<Quad> cells, std::int32_t samples,
                                       const LabelledBalls& balls) {
   std::vector<std::uint8_t> sides(cells.size(), outer_side);
   std::size_t next_pole = 0;

@@ -1,24 +1,40 @@
 #include <cmath>
 #include <deque>
 
+#include "cell_order.hpp"
 #include "cell_sides.hpp"
+#include "disjoint_sets.hpp"
 
 namespace symrecon {
 
-CellSides::CellSides(const std::vector<Position>& sites, const std::vector<Quad>& cells,
-                     const std::vector<Quad>& neighbours, std::int32_t samples,
-                     std::vector<std::uint8_t> sides)
-    : sites_(sites),
+CellSides::CellSides(View<Position> sites, View<Quad> cells, View<Quad> neighbours, std::int32_t samples,
+                     View<std::uint8_t> sides)
+    : samples_(samples),
+      given_sample_(along_curve(sites, samples)),
+      sites_(sites.size()),
       cells_(cells.size()),
-      samples_(samples),
-      sides_(std::move(sides)),
+      sides_(cells.size()),
       start_(samples + 1, 0),
       pinches_(samples, 0),
       seen_(cells.size(), 0) {
-  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-    cells_[cell] = {cells[cell], neighbours[cell]};
-    for (const std::int32_t site : cells[cell])
-      if (site < samples_) ++start_[site + 1];
+  std::vector<std::int32_t> number(sites.size());  // corners that are no samples keep theirs
+  for (std::size_t site = 0; site < sites.size(); ++site) number[site] = static_cast<std::int32_t>(site);
+  for (std::int32_t place = 0; place < samples_; ++place) number[given_sample_[place]] = place;
+  for (std::size_t site = 0; site < sites.size(); ++site) sites_[number[site]] = sites[site];
+  given_cell_ = by_earliest_site(cells, number);
+
+  std::vector<std::int32_t> cell_number(cells.size());
+  for (std::size_t place = 0; place < cells.size(); ++place)
+    cell_number[given_cell_[place]] = static_cast<std::int32_t>(place);
+  for (std::size_t place = 0; place < cells.size(); ++place) {
+    const std::int32_t given = given_cell_[place];
+    Corners& cell = cells_[place];
+    sides_[place] = sides[given];
+    for (int k = 0; k < 4; ++k) {
+      cell.site[k] = number[cells[given][k]];
+      cell.across[k] = neighbours[given][k] < 0 ? -1 : cell_number[neighbours[given][k]];
+      if (cell.site[k] < samples_) ++start_[cell.site[k] + 1];
+    }
   }
   for (std::int32_t site = 0; site < samples_; ++site) start_[site + 1] += start_[site];
   around_.resize(start_[samples_]);
@@ -26,6 +42,12 @@ CellSides::CellSides(const std::vector<Position>& sites, const std::vector<Quad>
   for (std::size_t cell = 0; cell < cells_.size(); ++cell)
     for (const std::int32_t site : cells_[cell].site)
       if (site < samples_) around_[place[site]++] = static_cast<std::int32_t>(cell);
+}
+
+std::vector<std::uint8_t> CellSides::sides() const {
+  std::vector<std::uint8_t> given(sides_.size());
+  for (std::size_t place = 0; place < sides_.size(); ++place) given[given_cell_[place]] = sides_[place];
+  return given;
 }
 
 // Visit the cells of one side that are connected with `first` round a sample.
@@ -102,11 +124,14 @@ void CellSides::resolve_pinches() {
 }
 
 // With `erode`, inner cells only are turned over, if need be more than remove pinches here: the
-// inside shrinks with every step, so that ends too, and nothing is left then.
+// inside shrinks with every step, so that ends too, and nothing is left then.  The order is the
+// caller's, which no motion changes.
 void CellSides::resolve(bool erode) {
   std::deque<std::int32_t> waiting;
   for (std::int32_t site = 0; site < samples_; ++site)
     if (pinches_[site] > 0) waiting.push_back(site);
+  std::sort(waiting.begin(), waiting.end(),
+            [&](auto a, auto b) { return given_sample_[a] < given_sample_[b]; });
   while (!waiting.empty()) {
     const std::int32_t site = waiting.front();
     waiting.pop_front();
@@ -182,7 +207,8 @@ void CellSides::collect_touched(const Chosen& chosen) {
   for (const std::int32_t cell : chosen)
     for (const std::int32_t site : cells_[cell].site)
       if (site < samples_) touched_.push_back(site);
-  std::sort(touched_.begin(), touched_.end());
+  std::sort(touched_.begin(), touched_.end(),
+            [&](auto a, auto b) { return given_sample_[a] < given_sample_[b]; });
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
 }
 
@@ -211,49 +237,47 @@ double CellSides::growth(const Chosen& chosen) const {
   return gain;
 }
 
-// Turn over the pieces of a side that have fewer boundary facets.
-void CellSides::keep_pieces_from(std::int64_t smallest, Side side) {
-  ++stamp_;
-  std::vector<Chosen> small;
-  std::int64_t largest = -1;
-  std::size_t largest_place = 0;  // among the small ones, when it is one of them
-  for (std::size_t first = 0; first < cells_.size(); ++first) {
-    if (sides_[first] != side || seen_[first] == stamp_) continue;
-    Chosen piece(1, static_cast<std::int32_t>(first));
-    seen_[first] = stamp_;
-    std::int64_t facets = 0;
-    bool free = true;
-    for (std::size_t reached = 0; reached < piece.size(); ++reached) {
-      const std::int32_t cell = piece[reached];
-      free = free && movable(cell);
-      for (const std::int32_t next : cells_[cell].across) {
-        if (next < 0) continue;
-        if (sides_[next] != side) {
-          ++facets;
-        } else if (seen_[next] != stamp_) {
-          seen_[next] = stamp_;
-          piece.push_back(next);
-        }
-      }
-    }
-    if (facets > largest) {
-      largest = facets;
-      largest_place = small.size();
-    }
-    if (free && facets < smallest) small.push_back(std::move(piece));
+// The pieces of either side, by their first cells, and how many boundary facets each has there.
+CellSides::Pieces CellSides::pieces() const {
+  const auto count = static_cast<std::int32_t>(cells_.size());
+  DisjointSets joined(count);
+  for (std::int32_t cell = 0; cell < count; ++cell)
+    for (const std::int32_t next : cells_[cell].across)
+      if (next >= 0 && next < cell && sides_[next] == sides_[cell]) joined.join(cell, next);
+  Pieces found{std::vector<std::int32_t>(count), std::vector<std::int64_t>(count, 0),
+               std::vector<std::uint8_t>(count, 0)};
+  for (std::int32_t cell = 0; cell < count; ++cell) {
+    const std::int32_t piece = found.of_cell[cell] = joined.find(cell);
+    for (const std::int32_t next : cells_[cell].across)
+      found.facets[piece] += next >= 0 && sides_[next] != sides_[cell];
+    if (!movable(cell)) found.fixed[piece] = 1;
   }
-  const bool spare_largest = side == inner_side && largest < smallest;
-  for (std::size_t place = 0; place < small.size(); ++place) {
-    if (spare_largest && place == largest_place) continue;
-    turn(small[place]);
-    collect_touched(small[place]);
-    for (const std::int32_t sample : touched_) pinches_[sample] = count_pinches(sample);
+  return found;
+}
+
+// Turn over the pieces of a side with fewer boundary facets, of inner ones not the largest; false when
+// there are none.
+bool CellSides::turn_pieces(const Pieces& pieces, std::int64_t smallest, Side side) {
+  const auto count = static_cast<std::int32_t>(cells_.size());
+  std::int32_t spared = -1;
+  for (std::int32_t cell = 0; side == inner_side && cell < count; ++cell)
+    if (sides_[cell] == side && (spared < 0 || pieces.facets[cell] > pieces.facets[spared])) spared = cell;
+  Chosen small;
+  for (std::int32_t cell = 0; cell < count; ++cell) {
+    const std::int32_t piece = pieces.of_cell[cell];
+    if (sides_[cell] == side && pieces.facets[piece] < smallest && !pieces.fixed[piece] && piece != spared)
+      small.push_back(cell);
   }
+  turn(small);
+  collect_touched(small);
+  for (const std::int32_t sample : touched_) pinches_[sample] = count_pinches(sample);
+  return !small.empty();
 }
 
 void CellSides::turn_small_pieces(std::int64_t smallest) {
-  keep_pieces_from(smallest, inner_side);
-  keep_pieces_from(smallest, outer_side);
+  Pieces found = pieces();
+  if (turn_pieces(found, smallest, inner_side)) found = pieces();
+  turn_pieces(found, smallest, outer_side);
 }
 
 }  // namespace symrecon

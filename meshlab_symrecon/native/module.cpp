@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "bindings.hpp"
-#include "lexicographic_order.hpp"
 #include "orthocentres.hpp"
 #include "poles.hpp"
 #include "predicates.hpp"
 #include "regular_triangulation.hpp"
 #include "scaling.hpp"
+#include "spatial_order.hpp"
 
 namespace nb = nanobind;
 using namespace symrecon;
@@ -93,6 +93,11 @@ std::vector<Site> gather(const PointArray& points) {
   return sites;
 }
 
+void stop_on_interrupt() {
+  nb::gil_scoped_acquire hold;
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
 nb::tuple find_poles_of(const PointArray& points, const CellArray& cells, std::int32_t samples) {
   require_known_sites(cells, points.shape(0));
   const Quad* const first = reinterpret_cast<const Quad*>(cells.data());
@@ -101,8 +106,8 @@ nb::tuple find_poles_of(const PointArray& points, const CellArray& cells, std::i
   {
     const std::vector<Site> sites = gather(points);
     nb::gil_scoped_release release;
-    poles = find_poles(sites, first, cells.shape(0), samples);
-    spacings = sample_spacings(sites, first, cells.shape(0), samples);
+    poles = find_poles(sites, first, cells.shape(0), samples, stop_on_interrupt);
+    spacings = sample_spacings(sites, first, cells.shape(0), samples, stop_on_interrupt);
   }
   const std::size_t count = poles.cells.size(), rows = poles.first.size();
   return nb::make_tuple(to_numpy<Vector>(std::move(poles.cells), {count}), to_numpy<Centres>(std::move(poles.centres), {count, 3}),
@@ -110,11 +115,15 @@ nb::tuple find_poles_of(const PointArray& points, const CellArray& cells, std::i
                         to_numpy<Floats>(std::move(spacings.next), {rows}), to_numpy<Floats>(std::move(spacings.mean), {rows}));
 }
 
-Vector lexicographic_order_of(const PointArray& points) {
+Vector curve_order_of(const PointArray& points) {
   std::vector<std::int32_t> order;
   {
     nb::gil_scoped_release release;
-    order = lexicographic_order(points.data(), points.shape(0));
+    std::vector<Site> sites(points.shape(0));
+    const double* position = points.data();
+    for (std::size_t i = 0; i < sites.size(); ++i)  // -0.0 and 0.0 are one position
+      sites[i] = {position[3 * i] + 0.0, position[3 * i + 1] + 0.0, position[3 * i + 2] + 0.0, 0.0};
+    order = curve_order(sites);
   }
   const std::size_t count = order.size();
   return to_numpy<Vector>(std::move(order), {count});
@@ -170,7 +179,7 @@ NB_MODULE(_native, module) {
              nb::arg("progress") = nb::none());
   module.def("orthocentres", &orthocentres, nb::arg("points"), nb::arg("weights"), nb::arg("cells"));
   module.def("find_poles", &find_poles_of, nb::arg("points"), nb::arg("cells"), nb::arg("samples"));
-  module.def("lexicographic_order", &lexicographic_order_of, nb::arg("points"));
+  module.def("curve_order", &curve_order_of, nb::arg("points"));
   module.def("orientation", &orientation_of, nb::arg("points"), nb::arg("stage") = int(all_stages));
   module.def("power_test", &power_test_of, nb::arg("points"), nb::arg("weights"), nb::arg("stage") = int(all_stages));
   module.def("fine_power_determinant", &fine_power_determinant_of, nb::arg("points"), nb::arg("weights"), nb::arg("fused"));

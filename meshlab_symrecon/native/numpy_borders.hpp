@@ -1,4 +1,4 @@
-// numpy arrays to vectors of small arrays, and back without copying.
+// numpy arrays to vectors of small arrays or to views of them, and back without copying.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 #include <vector>
+
+#include "view.hpp"
 
 namespace symrecon {
 
@@ -29,6 +31,17 @@ std::vector<Item> rows(const Rows<T>& array) {
 template <typename T>
 std::vector<T> row(const Row<T>& array) {
   return std::vector<T>(array.data(), array.data() + array.shape(0));
+}
+
+template <typename Item, typename T>
+View<Item> view_rows(const Rows<T>& array) {
+  if (array.shape(1) * sizeof(T) != sizeof(Item)) throw std::invalid_argument("wrong row width");
+  return {reinterpret_cast<const Item*>(array.data()), array.shape(0)};
+}
+
+template <typename T>
+View<T> view_row(const Row<T>& array) {
+  return {array.data(), array.shape(0)};
 }
 
 template <typename T>

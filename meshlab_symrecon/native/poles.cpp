@@ -38,9 +38,10 @@ struct Search {
 };
 
 std::vector<Point> find_first(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
-                              std::vector<Search>& searches) {
+                              std::vector<Search>& searches, const Checkpoint& checkpoint) {
   std::vector<Point> centres(cell_count);
   for (std::size_t i = 0; i < cell_count; ++i) {
+    if (i % cells_per_checkpoint == 0) checkpoint();
     const Quad& soon = cells[std::min(i + ahead_of_use, cell_count - 1)];
     announce(sites, soon);
     announce(searches, soon);
@@ -62,8 +63,9 @@ std::vector<Point> find_first(const std::vector<Site>& sites, const Quad* cells,
 }
 
 void find_second(const std::vector<Site>& sites, const Quad* cells, const std::vector<Point>& centres,
-                 std::vector<Search>& searches) {
+                 std::vector<Search>& searches, const Checkpoint& checkpoint) {
   for (std::size_t i = 0; i < centres.size(); ++i) {
+    if (i % cells_per_checkpoint == 0) checkpoint();
     const Quad& soon = cells[std::min(i + ahead_of_use, centres.size() - 1)];
     announce(sites, soon);
     announce(searches, soon);
@@ -107,10 +109,10 @@ struct Nearest {
 }  // namespace
 
 FoundPoles find_poles(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
-                      std::int32_t samples) {
+                      std::int32_t samples, const Checkpoint& checkpoint) {
   std::vector<Search> searches(samples);
-  const std::vector<Point> centres = find_first(sites, cells, cell_count, searches);
-  find_second(sites, cells, centres, searches);
+  const std::vector<Point> centres = find_first(sites, cells, cell_count, searches, checkpoint);
+  find_second(sites, cells, centres, searches, checkpoint);
   FoundPoles poles;
   std::vector<std::int32_t> number(cell_count, -1);
   for (const Search& search : searches)
@@ -133,9 +135,10 @@ FoundPoles find_poles(const std::vector<Site>& sites, const Quad* cells, std::si
 }
 
 Spacings sample_spacings(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
-                         std::int32_t samples) {
+                         std::int32_t samples, const Checkpoint& checkpoint) {
   std::vector<Nearest> nearest(samples);
   for (std::size_t i = 0; i < cell_count; ++i) {
+    if (i % cells_per_checkpoint == 0) checkpoint();
     const Quad& soon = cells[std::min(i + ahead_of_use, cell_count - 1)];
     announce(sites, soon);
     announce(nearest, soon);

@@ -7,6 +7,7 @@
 
 #include "crust.hpp"
 #include "orthocentres.hpp"
+#include "progress.hpp"
 #include "site.hpp"
 
 namespace symrecon {
@@ -21,7 +22,7 @@ struct FoundPoles {
 
 // Sites from `samples` on are no samples.  Of equally far centres the one of the first cell counts.
 FoundPoles find_poles(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
-                      std::int32_t samples);
+                      std::int32_t samples, const Checkpoint& checkpoint);
 
 // How far the samples round each sample are, in terms of its Delaunay neighbours.
 struct Spacings {
@@ -31,6 +32,6 @@ struct Spacings {
 
 // A sample without a neighbour that is a sample gets infinity.
 Spacings sample_spacings(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
-                         std::int32_t samples);
+                         std::int32_t samples, const Checkpoint& checkpoint);
 
 }  // namespace symrecon

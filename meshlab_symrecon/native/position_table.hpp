@@ -1,8 +1,9 @@
-// Finds equal positions.
+// Finds positions that are equal when rounded to single precision, as most files keep them.
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <cstring>
+#include <cmath>
 #include <vector>
 
 #include "crust.hpp"
@@ -10,9 +11,13 @@
 namespace symrecon {
 
 // Open addressing; as many entries as announced, at most.
+// Of the grid: what is nearly symmetric does not lie on both sides of a border.
+constexpr double kOffset = 0.381966;
+
 class PositionTable {
  public:
-  explicit PositionTable(std::size_t count) {
+  // For so many positions with coordinates of at most the given size.
+  PositionTable(std::size_t count, double largest) : steps_(largest > 0.0 ? 0x1p24 / largest : 1.0) {
     std::size_t size = 64;
     while (size < 2 * count) {
       size *= 2;
@@ -29,23 +34,29 @@ class PositionTable {
         entries_[slot] = vertex;
         return true;
       }
-      if (points[entries_[slot]] == points[vertex]) return false;
+      if (rounded(points[entries_[slot]]) == rounded(points[vertex])) return false;
     }
   }
 
  private:
-  static std::uint64_t hash(const Position& position) {
+  using Rounded = std::array<std::int64_t, 3>;
+
+  Rounded rounded(const Position& position) const {
+    Rounded place;
+    for (int axis = 0; axis < 3; ++axis) place[axis] = std::int64_t(std::floor(position[axis] * steps_ + kOffset));
+    return place;
+  }
+
+  std::uint64_t hash(const Position& position) const {
     std::uint64_t mixed = 0;
-    for (const double coordinate : position) {
-      const double unsigned_zero = coordinate + 0.0;
-      std::uint64_t bits;
-      std::memcpy(&bits, &unsigned_zero, sizeof bits);
-      mixed = (mixed ^ bits) * 0x9e3779b97f4a7c15u;
+    for (const std::int64_t part : rounded(position)) {
+      mixed = (mixed ^ std::uint64_t(part)) * 0x9e3779b97f4a7c15u;
       mixed ^= mixed >> 29;
     }
     return mixed * 0x9e3779b97f4a7c15u;
   }
 
+  double steps_;  // a unit
   std::vector<std::int32_t> entries_;
   int shift_ = 58;
 };

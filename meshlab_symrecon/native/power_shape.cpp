@@ -36,8 +36,7 @@ void replace_absorbed(std::vector<Simplex>& simplices, const std::vector<std::in
   make_unique(simplices, absorber.size());
 }
 
-PowerShape whole_shape(const std::vector<Quad>& cells, const std::vector<Quad>& neighbours,
-                       const std::vector<std::uint8_t>& part) {
+PowerShape whole_shape(View<Quad> cells, View<Quad> neighbours, View<std::uint8_t> part) {
   PowerShape shape;
   for (std::size_t number = 0; number < cells.size(); ++number) {
     const Quad& cell = cells[number];
@@ -57,8 +56,8 @@ PowerShape whole_shape(const std::vector<Quad>& cells, const std::vector<Quad>& 
   return shape;
 }
 
-std::vector<std::int32_t> absorbers(const std::vector<Pair>& edges, const std::vector<Position>& centres,
-                                    const std::vector<double>& radii, double redundancy) {
+std::vector<std::int32_t> absorbers(const std::vector<Pair>& edges, View<Position> centres,
+                                    View<double> radii, double redundancy) {
   const std::size_t poles = centres.size();
   std::vector<std::int64_t> start(poles + 1, 0);
   for (const Pair& edge : edges)
@@ -98,9 +97,8 @@ std::vector<std::int32_t> absorbers(const std::vector<Pair>& edges, const std::v
 
 }  // namespace
 
-PowerShape power_shape(const std::vector<Quad>& cells, const std::vector<Quad>& neighbours,
-                       const std::vector<std::uint8_t>& part, const std::vector<Position>& centres,
-                       const std::vector<double>& radii, double redundancy) {
+PowerShape power_shape(View<Quad> cells, View<Quad> neighbours, View<std::uint8_t> part,
+                       View<Position> centres, View<double> radii, double redundancy) {
   PowerShape shape = whole_shape(cells, neighbours, part);
   if (redundancy > 0.0) {
     shape.absorber = absorbers(shape.edges, centres, radii, redundancy);

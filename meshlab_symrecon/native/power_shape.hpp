@@ -20,8 +20,7 @@ struct PowerShape {
 // Edges and triangles of a regular triangulation whose poles are of one part; poles of part 0 are
 // left out.  In the order of falling radius, a pole absorbs those joined to it, and then those joined
 // to them, whose balls stick out of its own by less than `redundancy`; at 0 none does.
-PowerShape power_shape(const std::vector<Quad>& cells, const std::vector<Quad>& neighbours,
-                       const std::vector<std::uint8_t>& part, const std::vector<Position>& centres,
-                       const std::vector<double>& radii, double redundancy);
+PowerShape power_shape(View<Quad> cells, View<Quad> neighbours, View<std::uint8_t> part,
+                       View<Position> centres, View<double> radii, double redundancy);
 
 }  // namespace symrecon

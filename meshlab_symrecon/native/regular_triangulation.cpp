@@ -89,7 +89,9 @@ RegularTriangulation regular_triangulation(std::vector<Site> sites, const Progre
   for (Four& cell : result.cells)
     for (std::int32_t& vertex : cell) vertex = distinct.original[vertex];
   if (progress) progress(1.0);
-  result.neighbours = triangulator.complex().take_numbered_neighbours(number, count);
+  result.neighbours = triangulator.complex().take_numbered_neighbours(number, count, [&] {
+    if (progress) progress(1.0);
+  });
   if (progress) progress(1.0);
   return result;
 }

@@ -162,4 +162,20 @@ std::vector<std::int32_t> spatial_order(const std::vector<Site>& sites, const Pr
   return order;
 }
 
+std::vector<std::int32_t> curve_order(const std::vector<Site>& sites) {
+  std::vector<std::int32_t> order;
+  if (sites.empty()) return order;
+  std::vector<Keyed> keyed(sites.size());
+  for (std::size_t i = 0; i < sites.size(); ++i) keyed[i] = {0, std::int32_t(i)};
+  Keyed* const end = keyed.data() + keyed.size();
+  const Box box(sites, keyed.data(), end);
+  if (box.extent > 0.0)
+    for (Keyed& entry : keyed) entry.key = box.key(sites[entry.index]);
+  Sorter(sites).sort_by_key(keyed.data(), end);
+  order.reserve(sites.size());
+  for (const Keyed& entry : keyed)
+    if (order.empty() || !same_position(sites[order.back()], sites[entry.index])) order.push_back(entry.index);
+  return order;
+}
+
 }  // namespace symrecon

@@ -15,4 +15,8 @@ namespace symrecon {
 // go on.
 std::vector<std::int32_t> spatial_order(const std::vector<Site>& sites, const Progress& progress);
 
+// Indices of the distinct positions along one Hilbert curve, so that what is near in space is near in memory; of sites
+// at one position the first. Depends on the positions only. Negative zeros must have been removed.
+std::vector<std::int32_t> curve_order(const std::vector<Site>& sites);
+
 }  // namespace symrecon

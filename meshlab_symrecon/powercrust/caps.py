@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Faces, Floats, Indices, Points
 from meshlab_symrecon.geometry.surfaces import face_components
 
 __all__ = ["Caps", "farthest_points", "find_caps"]
 
 EXPLAINED = 1.5  # spacings: about one in a hundred triangles of random samples is farther off
-ROUNDS = 5  # of averaging: the spacing of a single random sample says little
 STEPS = 4  # of the grid over a large triangle
 
 
@@ -51,35 +51,53 @@ class Caps:
         return float(self.multiples.max(initial=0.0))
 
 
-def find_caps(points: Points, faces: Faces, samples: Points, spacing: Floats) -> Caps:
+def find_caps(
+    points: Points, faces: Faces, nearest: Indices, samples: Points, spacing: Floats
+) -> Caps:
     """Find the regions of a surface that are farther from the samples than the sampling explains.
 
     Parameters
     ----------
     points : (v, 3) float
     faces : (m, 3) int
+    nearest : (v,) int
+        The sample nearest to each point, or nearly.
     samples : (n, 3) float
         What the surface was made from; its vertices need not be among them.
     spacing : (n,) float
         Distance from each sample to those round it, positive: the mean of a few neighbours.
     """
-    tree = cKDTree(samples)
-    gaps, nearest = tree.query(points)
-    local = _averaged(faces, spacing[nearest])[faces].mean(axis=1)
-    gaps = gaps[faces].max(axis=1)
-    farthest, reach = farthest_points(points, faces)
-    large = np.flatnonzero(gaps + reach > EXPLAINED * local)  # the others cannot be far anywhere
-    places = np.concatenate([farthest[large, None], _grid(points[faces[large]])], axis=1)
-    gaps[large] = np.maximum(gaps[large], tree.query(places)[0].max(axis=1))
-
-    far = np.flatnonzero(gaps > EXPLAINED * local)
+    far = _native.far_faces(
+        points,
+        faces.astype(np.int32),
+        nearest.astype(np.int32),
+        samples,
+        spacing,
+        EXPLAINED,
+    )
+    local = spacing[nearest[faces[far]]].max(axis=1, initial=0.0)
+    gaps = _gaps(points, faces[far], samples)
+    explained = gaps <= EXPLAINED * local  # another sample is nearer
+    far, local, gaps = far[~explained], local[~explained], gaps[~explained]
     count, piece = face_components(faces[far])
     region = np.full(len(faces), -1, dtype=np.int64)
     region[far] = piece
     widest = np.zeros(count)
-    np.maximum.at(widest, piece, gaps[far])
+    np.maximum.at(widest, piece, gaps)
     members = np.bincount(piece, minlength=count)
-    return Caps(region, 2.0 * widest, np.bincount(piece, local[far], minlength=count) / members)
+    return Caps(region, 2.0 * widest, np.bincount(piece, local, minlength=count) / members)
+
+
+def _gaps(points: Points, faces: Faces, samples: Points) -> Floats:
+    """Return (m,) the largest distance to the samples that is met on each triangle."""
+    if not len(faces):
+        return np.zeros(0)
+    tree = cKDTree(samples, balanced_tree=False, compact_nodes=False)
+    places = np.concatenate(
+        [points[faces], farthest_points(points, faces)[0][:, None], _grid(points[faces])], axis=1
+    )
+    gaps: Floats = tree.query(places)[0].max(axis=1)
+    return gaps
 
 
 def farthest_points(points: Points, faces: Faces) -> tuple[Points, Floats]:
@@ -127,15 +145,3 @@ def _grid(corners: Floats) -> Floats:
     shares = [(a, b, STEPS - a - b) for a in range(STEPS + 1) for b in range(STEPS + 1 - a)]
     grid: Floats = np.array(shares, dtype=float) / STEPS @ corners
     return grid
-
-
-def _averaged(faces: Faces, values: Floats) -> Floats:
-    """Return values of vertices, averaged a few times over each vertex and its neighbours."""
-    start, end = faces[:, [0, 1, 2]].ravel(), faces[:, [1, 2, 0]].ravel()
-    count = len(values)
-    weights = 1.0 + np.bincount(start, minlength=count) + np.bincount(end, minlength=count)
-    for _ in range(ROUNDS):
-        sums = np.bincount(start, values[end], minlength=count)
-        sums += np.bincount(end, values[start], minlength=count)
-        values = (values + sums) / weights
-    return values

@@ -22,7 +22,7 @@ class NormalCloud:
     Attributes
     ----------
     samples : (n, 3) float
-        In lexicographic order.
+        Along a Hilbert curve, so that what is near in space is near in memory.
     source : (n,) int
         The number of each sample among the points given, the first of equal ones.
     centre : (3,) float
@@ -39,6 +39,22 @@ class NormalCloud:
     def to_input(self, points: Points) -> Points:
         """Return positions in the units of the points given."""
         restored: Points = points / self.scale + self.centre
+        return restored
+
+    def at_samples(self, points: Points, nearest: Indices, given: Points) -> Points:
+        """Return positions in the units of the points given, samples bit for bit.
+
+        Parameters
+        ----------
+        points : (v, 3) float
+        nearest : (v,) int
+            The sample nearest to each.
+        given : (m, 3) float
+            The points given.
+        """
+        restored = self.to_input(points)
+        here = np.all(points == self.samples[nearest], axis=1)
+        restored[here] = given[self.source[nearest[here]]]
         return restored
 
     def without(self, left_out: Booleans) -> NormalCloud:
@@ -59,5 +75,5 @@ def normalised(points: Points) -> NormalCloud:
     centre: Floats = 0.5 * (low + high)
     scale = float(2.0 ** -np.ceil(np.log2((high - low).max())))
     moved = (points - centre) * scale + 0.0  # no negative zeros
-    order = _native.lexicographic_order(moved).astype(np.int64)
+    order = _native.curve_order(moved).astype(np.int64)
     return NormalCloud(moved[order], order, centre, scale)

@@ -20,13 +20,15 @@ from meshlab_symrecon.geometry.triangulation import (
     regular_triangulation,
 )
 from meshlab_symrecon.powercrust.caps import find_caps
-from meshlab_symrecon.powercrust.crust import crust_faces
+from meshlab_symrecon.powercrust.crust import contracted, crust_walls, joined_at_samples
 from meshlab_symrecon.powercrust.interpolating import interpolating_faces
 from meshlab_symrecon.powercrust.labelling import METHODS, Labels, label_poles
 from meshlab_symrecon.powercrust.medial_axis import MedialAxis, medial_axis
+from meshlab_symrecon.powercrust.near_poles import join_near_poles
 from meshlab_symrecon.powercrust.normal_cloud import normalised
 from meshlab_symrecon.powercrust.outliers import outliers
 from meshlab_symrecon.powercrust.poles import Poles, enclose, find_poles
+from meshlab_symrecon.powercrust.progress import part
 from meshlab_symrecon.powercrust.small_balls import NoiseLimits, drop_small_balls, noise_limits
 from meshlab_symrecon.powercrust.stages import Stages
 from meshlab_symrecon.powercrust.trimming import trim
@@ -183,29 +185,45 @@ def reconstruct(
     """
     recipe = recipe or Recipe()
     stages = Stages(progress)
-    cloud = normalised(as_points(points))
+    given = as_points(points)
+    cloud = normalised(given)
     voronoi, poles, strange = _surface_poles(cloud.samples, recipe, stages)
     cloud = cloud.without(strange)
     limits = _limits(poles, recipe)
+    found = len(poles.centres)
     poles, dropped = drop_small_balls(poles, limits.ball)
+    poles = join_near_poles(poles)
     diagram = _power_diagram(poles, stages)
     labels = _labels(poles, diagram, recipe, limits, stages)
-    if diagram is None or not labels.inside.any():
-        surface, axis, hull = _convex_hull(cloud.samples), NO_AXIS, True
+    hull = diagram is None or not labels.inside.any()
+    axis = NO_AXIS
+    if diagram is None or hull:
+        surface = _convex_hull(cloud.samples)
     else:
-        surface = _surface(voronoi, poles, diagram, labels, recipe, stages)
-        axis, hull = _axis(poles, diagram, labels, recipe, stages), False
+        axis = _axis(poles, diagram, labels, recipe, stages)
+        report = stages.begin("extracting the surface", until=0.95)
+        if voronoi is not None:
+            through = interpolating_faces(voronoi, poles, diagram, labels.inside)
+            surface = Surface(through.points, through.faces, through.samples)
+        else:
+            walls = crust_walls(poles, diagram, labels.inside, progress=part(report, 0.0, 0.4))
+            del diagram  # these take most of the memory
+            joined = joined_at_samples(walls, poles, progress=part(report, 0.4, 0.65))
+            del walls
+            crust = contracted(joined, poles, progress=part(report, 0.65, 1.0))
+            del joined
+            surface = Surface(crust.points, crust.faces, crust.nearest)
     surface, largest_cap, opened = _trimmed(surface, cloud.samples, poles, recipe, stages)
     stages.end()
     return PowerCrust(
-        points=cloud.to_input(surface.points),
+        points=cloud.at_samples(surface.points, surface.nearest, given),
         faces=surface.faces,
         nearest=cloud.source[surface.nearest],
         axis=replace(axis, points=cloud.to_input(axis.points), radii=axis.radii / cloud.scale),
         topology=topology(surface.faces),
         largest_cap=largest_cap,
         opened=opened,
-        poles=len(poles.centres) + dropped,
+        poles=found,
         dropped_poles=dropped,
         unreached_poles=labels.unreached,
         flipped_poles=labels.flipped,
@@ -217,21 +235,20 @@ def reconstruct(
 
 def _surface_poles(
     samples: Points, recipe: Recipe, stages: Stages
-) -> tuple[Triangulation, Poles, Booleans]:
-    """Return the Delaunay triangulation and poles of samples of a surface, and who is none."""
+) -> tuple[Triangulation | None, Poles, Booleans]:
+    """Return the Delaunay triangulation, where it is still needed, the poles, and the outliers."""
     report = stages.begin("triangulating the samples", until=0.2)
     voronoi = delaunay(enclose(samples), progress=report)
     stages.begin("finding poles", until=0.25)
     poles = find_poles(voronoi, len(samples))
-    strange = np.zeros(len(samples), dtype=bool)
-    if recipe.keep_outliers:
-        return voronoi, poles, strange
-    strange = outliers(voronoi, poles)
+    needed = voronoi if recipe.surface == "interpolating" else None  # it takes a lot of memory
+    nobody = np.zeros(len(samples), dtype=bool)
+    strange = nobody if recipe.keep_outliers else outliers(voronoi, poles)
     if not strange.any() or not is_solid(samples[~strange]):
-        return voronoi, poles, np.zeros_like(strange)
+        return needed, poles, nobody
     again = replace(recipe, keep_outliers=True)
-    voronoi, poles, _ = _surface_poles(samples[~strange], again, stages)
-    return voronoi, poles, strange
+    needed, poles, _ = _surface_poles(samples[~strange], again, stages)
+    return needed, poles, strange
 
 
 def _limits(poles: Poles, recipe: Recipe) -> NoiseLimits:
@@ -271,28 +288,12 @@ def _labels(
     )
 
 
-def _surface(
-    voronoi: Triangulation,
-    poles: Poles,
-    diagram: Triangulation,
-    labels: Labels,
-    recipe: Recipe,
-    stages: Stages,
-) -> Surface:
-    report = stages.begin("extracting the surface", until=0.9)
-    if recipe.surface == "interpolating":
-        through = interpolating_faces(voronoi, poles, diagram, labels.inside)
-        return Surface(through.points, through.faces, through.samples)
-    crust = crust_faces(poles, diagram, labels.inside, progress=report)
-    return Surface(crust.points, crust.faces, crust.nearest)
-
-
 def _axis(
     poles: Poles, diagram: Triangulation, labels: Labels, recipe: Recipe, stages: Stages
 ) -> MedialAxis:
     if not recipe.with_axis:
         return NO_AXIS
-    stages.begin("extracting the medial axis", until=0.95)
+    stages.begin("extracting the medial axis", until=0.75)
     spacing = float(np.median(poles.room))
     return medial_axis(
         poles,
@@ -318,7 +319,7 @@ def _trimmed(
 ) -> tuple[Surface, float, int]:
     """Return the surface without too wide caps, the width of its widest one, and how many went."""
     stages.begin("measuring caps", until=1.0)
-    caps = find_caps(surface.points, surface.faces, samples, poles.room)
+    caps = find_caps(surface.points, surface.faces, surface.nearest, samples, poles.room)
     if recipe.widest_cap == 0.0 or caps.largest <= recipe.widest_cap:
         return surface, caps.largest, 0
     trimmed = trim(surface.points, surface.faces, caps, recipe.widest_cap)

@@ -460,15 +460,23 @@ def test_poles_of_unknown_sites_are_refused(wrong):
         _native.find_poles(np.eye(3), np.array([[0, 1, 2, wrong]], dtype=np.int32), 3)
 
 
-def test_lexicographic_order_is_that_of_numpy_without_repetition():
+def test_the_curve_order_has_every_position_once_whatever_the_order_of_the_points():
     random = np.random.default_rng(26)
     for _ in range(20):
         points = random.integers(-2, 3, (int(random.integers(1, 300)), 3)) * random.choice([1, 0.1])
         points[random.random(points.shape) < 0.2] *= -1.0  # zeros of either sign
-        order = _native.lexicographic_order(points)
+        order = _native.curve_order(points)
         _, first = np.unique(points + 0.0, axis=0, return_index=True)
-        assert np.array_equal(order, first)
-    assert len(_native.lexicographic_order(np.zeros((0, 3)))) == 0
+        assert np.array_equal(np.sort(order), np.sort(first))
+        shuffle = random.permutation(len(points))
+        assert np.array_equal(points[shuffle][_native.curve_order(points[shuffle])], points[order])
+    assert len(_native.curve_order(np.zeros((0, 3)))) == 0
+
+
+def test_neighbours_in_the_curve_order_are_near():
+    points = np.random.default_rng(27).random((4096, 3))
+    steps = np.linalg.norm(np.diff(points[_native.curve_order(points)], axis=0), axis=1)
+    assert np.median(steps) < 2.0 / 16  # 16 points along each side
 
 
 def test_cells_of_unknown_sites_are_refused():

@@ -40,6 +40,11 @@ def surfaces(samples):
     )
 
 
+def near(surface):
+    """The sample nearest to each vertex."""
+    return surface.nearest if hasattr(surface, "nearest") else surface.samples
+
+
 def assert_trimmed(trimmed, surface):
     shape = topology(trimmed.faces)
     assert shape.edge_manifold
@@ -79,7 +84,7 @@ def test_a_hole_is_as_wide_as_it_is_and_opens_at_its_rim(angle):
     samples = random_sphere(4000, 3, [((0.0, 0.0, 1.0), angle)])
     *both, spacing = surfaces(samples)
     for surface, error in zip(both, (CRUST, THROUGH_SAMPLES), strict=True):
-        caps = find_caps(surface.points, surface.faces, samples, spacing)
+        caps = find_caps(surface.points, surface.faces, near(surface), samples, spacing)
         assert caps.widths[np.argmax(caps.multiples)] == pytest.approx(2 * np.sin(angle), rel=error)
         assert np.count_nonzero(caps.multiples > MOST_BY_CHANCE) == 1
         trimmed = trim(surface.points, surface.faces, caps, MOST_BY_CHANCE)
@@ -101,7 +106,7 @@ def test_only_wide_holes_open():
     samples = random_sphere(6000, 4, list(zip(directions, angles, strict=True)))
     *both, spacing = surfaces(samples)
     for surface, error in zip(both, (CRUST, THROUGH_SAMPLES), strict=True):
-        caps = find_caps(surface.points, surface.faces, samples, spacing)
+        caps = find_caps(surface.points, surface.faces, near(surface), samples, spacing)
         widest = np.sort(caps.widths)[-3:][::-1]
         np.testing.assert_allclose(widest, 2 * np.sin(angles[:3]), rtol=error)
         between = np.sort(caps.multiples)[::-1]
@@ -127,7 +132,7 @@ def test_random_samples_of_whole_bodies_have_no_wide_cap(seed):
     ):
         *both, spacing = surfaces(samples)
         for surface in both:
-            caps = find_caps(surface.points, surface.faces, samples, spacing)
+            caps = find_caps(surface.points, surface.faces, near(surface), samples, spacing)
             assert 0.0 < caps.largest < MOST_BY_CHANCE
             whole = trim(surface.points, surface.faces, caps, MOST_BY_CHANCE)
             assert (whole.loops, whole.opened) == (0, 0)
@@ -139,7 +144,7 @@ def test_an_even_sphere_has_no_cap_at_all():
     samples = shapes.fibonacci_sphere(1000)
     *both, spacing = surfaces(samples)
     for surface in both:
-        caps = find_caps(surface.points, surface.faces, samples, spacing)
+        caps = find_caps(surface.points, surface.faces, near(surface), samples, spacing)
         assert caps.largest == 0.0
         assert caps.widths.shape == (0,)
         assert (caps.region == -1).all()
@@ -148,8 +153,10 @@ def test_an_even_sphere_has_no_cap_at_all():
 def test_widths_scale_and_multiples_do_not():
     samples = random_sphere(2000, 8, [((0.0, 0.0, 1.0), 0.5)])
     _, surface, spacing = surfaces(samples)
-    caps = find_caps(surface.points, surface.faces, samples, spacing)
-    larger = find_caps(8.0 * surface.points, surface.faces, 8.0 * samples, 8.0 * spacing)
+    caps = find_caps(surface.points, surface.faces, near(surface), samples, spacing)
+    larger = find_caps(
+        8.0 * surface.points, surface.faces, near(surface), 8.0 * samples, 8.0 * spacing
+    )
     assert np.array_equal(larger.widths, 8.0 * caps.widths)
     assert np.array_equal(larger.multiples, caps.multiples)
     assert np.array_equal(larger.region, caps.region)
@@ -160,7 +167,7 @@ def test_a_stray_sample_in_a_hole_goes_with_the_cap():
     samples = np.vstack([ring, [[0.0, 0.0, 1.0]]])
     _, surface, spacing = surfaces(samples)
     spacing = np.append(spacing[:-1], np.median(spacing))  # its own says nothing
-    caps = find_caps(surface.points, surface.faces, samples, spacing)
+    caps = find_caps(surface.points, surface.faces, near(surface), samples, spacing)
     trimmed = trim(surface.points, surface.faces, caps, MOST_BY_CHANCE)
     assert_trimmed(trimmed, surface)
     assert trimmed.loops == 1

@@ -158,6 +158,23 @@ def test_any_sides_become_a_closed_manifold(share):
         assert np.array_equal(sides, random_sides(voronoi, 500, share, seed))
 
 
+@pytest.mark.parametrize("share", [0.05, 0.5])
+def test_settled_sides_do_not_depend_on_the_order_of_the_cells(share):
+    rng = np.random.default_rng(8)
+    samples = shapes.torus(700, seed=3)
+    voronoi = delaunay(enclose(samples))
+    sides = inner_cells(voronoi, surface_through(samples)) ^ random_sides(voronoi, 700, share, 1)
+    sides[(voronoi.cells >= 700).any(axis=1)] = 0
+    order = rng.permutation(len(sides))
+    place = np.append(np.argsort(order), -1).astype(np.int32)
+    settled = _native.settle_sides(voronoi.sites, voronoi.cells, voronoi.neighbours, 700, sides, 20)
+    again = _native.settle_sides(
+        voronoi.sites, voronoi.cells[order], place[voronoi.neighbours[order]], 700, sides[order], 20
+    )
+    assert np.count_nonzero(settled != sides) > 100
+    assert np.array_equal(settled[order], again)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_any_labels_of_poles_give_a_closed_manifold(seed):
     voronoi, poles, diagram, inside = steps(shapes.torus(800, seed=7))
