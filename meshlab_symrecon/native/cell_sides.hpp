@@ -16,7 +16,8 @@ namespace symrecon {
 // connected through their edges.  Every further piece is a pinch.
 class CellSides {
  public:
-  // Sites and cells are numbered anew, in a spatial order, because every step looks round about.
+  // Cells are numbered anew, by their sites, because every step looks round about: it is quick where
+  // near samples have near numbers.
   CellSides(View<Position> sites, View<Quad> cells, View<Quad> neighbours, std::int32_t samples,
             View<std::uint8_t> sides);
 
@@ -101,8 +102,8 @@ class CellSides {
   double bend(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right) const;
 
   const std::int32_t samples_;
-  std::vector<std::int32_t> given_sample_, given_cell_;  // their numbers with the caller
-  std::vector<Position> sites_;
+  const View<Position> sites_;
+  std::vector<std::int32_t> given_cell_;  // the numbers of the cells with the caller
   std::vector<Corners> cells_;
   std::vector<std::uint8_t> sides_;
   std::vector<std::int32_t> start_, around_;  // the cells round each sample

@@ -10,29 +10,23 @@ namespace symrecon {
 CellSides::CellSides(View<Position> sites, View<Quad> cells, View<Quad> neighbours, std::int32_t samples,
                      View<std::uint8_t> sides)
     : samples_(samples),
-      given_sample_(along_curve(sites, samples)),
-      sites_(sites.size()),
+      sites_(sites),
+      given_cell_(by_earliest_site(cells, sites.size())),
       cells_(cells.size()),
       sides_(cells.size()),
       start_(samples + 1, 0),
       pinches_(samples, 0),
       seen_(cells.size(), 0) {
-  std::vector<std::int32_t> number(sites.size());  // corners that are no samples keep theirs
-  for (std::size_t site = 0; site < sites.size(); ++site) number[site] = static_cast<std::int32_t>(site);
-  for (std::int32_t place = 0; place < samples_; ++place) number[given_sample_[place]] = place;
-  for (std::size_t site = 0; site < sites.size(); ++site) sites_[number[site]] = sites[site];
-  given_cell_ = by_earliest_site(cells, number);
-
-  std::vector<std::int32_t> cell_number(cells.size());
+  std::vector<std::int32_t> number(cells.size());
   for (std::size_t place = 0; place < cells.size(); ++place)
-    cell_number[given_cell_[place]] = static_cast<std::int32_t>(place);
+    number[given_cell_[place]] = static_cast<std::int32_t>(place);
   for (std::size_t place = 0; place < cells.size(); ++place) {
     const std::int32_t given = given_cell_[place];
     Corners& cell = cells_[place];
     sides_[place] = sides[given];
+    cell.site = cells[given];
     for (int k = 0; k < 4; ++k) {
-      cell.site[k] = number[cells[given][k]];
-      cell.across[k] = neighbours[given][k] < 0 ? -1 : cell_number[neighbours[given][k]];
+      cell.across[k] = neighbours[given][k] < 0 ? -1 : number[neighbours[given][k]];
       if (cell.site[k] < samples_) ++start_[cell.site[k] + 1];
     }
   }
@@ -124,14 +118,11 @@ void CellSides::resolve_pinches() {
 }
 
 // With `erode`, inner cells only are turned over, if need be more than remove pinches here: the
-// inside shrinks with every step, so that ends too, and nothing is left then.  The order is the
-// caller's, which no motion changes.
+// inside shrinks with every step, so that ends too, and nothing is left then.
 void CellSides::resolve(bool erode) {
   std::deque<std::int32_t> waiting;
   for (std::int32_t site = 0; site < samples_; ++site)
     if (pinches_[site] > 0) waiting.push_back(site);
-  std::sort(waiting.begin(), waiting.end(),
-            [&](auto a, auto b) { return given_sample_[a] < given_sample_[b]; });
   while (!waiting.empty()) {
     const std::int32_t site = waiting.front();
     waiting.pop_front();
@@ -207,8 +198,7 @@ void CellSides::collect_touched(const Chosen& chosen) {
   for (const std::int32_t cell : chosen)
     for (const std::int32_t site : cells_[cell].site)
       if (site < samples_) touched_.push_back(site);
-  std::sort(touched_.begin(), touched_.end(),
-            [&](auto a, auto b) { return given_sample_[a] < given_sample_[b]; });
+  std::sort(touched_.begin(), touched_.end());
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
 }
 

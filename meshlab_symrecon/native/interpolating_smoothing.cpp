@@ -44,12 +44,11 @@ bool CellSides::take_in(std::int32_t sample) {
   return true;
 }
 
-// In the caller's order, which no motion changes.  A sample on the boundary stays there.
+// A sample on the boundary stays there.
 void CellSides::take_in_samples() {
   Chosen off;
   for (std::int32_t sample = 0; sample < samples_; ++sample)
     if (start_[sample] < start_[sample + 1] && is_off(sample)) off.push_back(sample);
-  std::sort(off.begin(), off.end(), [&](auto a, auto b) { return given_sample_[a] < given_sample_[b]; });
   for (std::size_t left = off.size() + 1; off.size() < left;) {
     left = off.size();
     off.erase(std::remove_if(off.begin(), off.end(), [&](auto sample) { return take_in(sample); }), off.end());
