@@ -1,6 +1,6 @@
 """The two ways to label poles, compared through the whole reconstruction.
 
-    SYMRECON_DATA=... python benchmarks/labelling.py [--samples 5000] [--seed 0] [--details] [MODEL ...]
+    SYMRECON_DATA=... python benchmarks/labelling.py [--samples 5000] [--details] [MODEL ...]
 
 Models are those of SYMRECON_DATA/meshes and those of solids.py.  For each condition and method: how
 many results have the pieces and handles of the model; wrong labels, in % of the poles in the
@@ -23,7 +23,9 @@ from solids import Model, analytic_models, mesh_model, on_triangles
 from meshlab_symrecon.geometry.surfaces import topology
 from meshlab_symrecon.geometry.triangulation import Triangulation
 from meshlab_symrecon.powercrust import reconstruction
+from meshlab_symrecon.powercrust.crust import crust_faces
 from meshlab_symrecon.powercrust.labelling import METHODS
+from meshlab_symrecon.powercrust.near_poles import join_near_poles
 from meshlab_symrecon.powercrust.normal_cloud import normalised
 from meshlab_symrecon.powercrust.poles import Poles
 from meshlab_symrecon.powercrust.reconstruction import Recipe
@@ -49,7 +51,6 @@ CONDITIONS = {  # noise in % of the diagonal, outliers as a share of the samples
 class Scan:
     """What the steps before the labelling make of a spoilt sample."""
 
-    voronoi: Triangulation
     poles: Poles
     limits: NoiseLimits
     diagram: Triangulation
@@ -84,9 +85,9 @@ def scanned(model, samples, surface, condition, seed):
     recipe = Recipe()
     stages = Stages(None)
     cloud = normalised(spoilt(samples, condition, np.random.default_rng(seed)))
-    voronoi, poles, _ = reconstruction._surface_poles(cloud.samples, recipe, stages)
+    _, poles, _ = reconstruction._surface_poles(cloud.samples, recipe, stages)
     limits = reconstruction._limits(poles, recipe)
-    poles, _ = drop_small_balls(poles, limits.ball)
+    poles = join_near_poles(drop_small_balls(poles, limits.ball)[0])
     diagram = reconstruction._power_diagram(poles, stages)
     low, high = samples.min(axis=0), samples.max(axis=0)
     diagonal = float(np.linalg.norm(high - low))
@@ -96,7 +97,7 @@ def scanned(model, samples, surface, condition, seed):
     truth = model.inside(centres[judged])
     points = (surface - cloud.to_input(np.zeros((1, 3)))) * cloud.scale
     tree = cKDTree(points)
-    return Scan(voronoi, poles, limits, diagram, judged, truth, tree, diagonal * cloud.scale)
+    return Scan(poles, limits, diagram, judged, truth, tree, diagonal * cloud.scale)
 
 
 def judge(scan, method):
@@ -105,9 +106,7 @@ def judge(scan, method):
     wrong = 100 * float(np.mean(labels.inside[scan.judged] != scan.truth))
     if not labels.inside.any():
         return Verdict(None, wrong, 100.0, 100.0)
-    found = reconstruction._surface(
-        scan.voronoi, scan.poles, scan.diagram, labels, recipe, stages
-    )
+    found = crust_faces(scan.poles, scan.diagram, labels.inside)
     shape = topology(found.faces)
     rng = np.random.default_rng(0)
     points = on_triangles(found.points, found.faces, CHECKS, rng)
@@ -166,7 +165,9 @@ def print_summary(models: dict[str, Model], results) -> None:
                 np.mean([getattr(v, what) for v in column.values()]) for what in ("wrong", "mean")
             )
             largest = max(v.largest for v in column.values())
-            print(f"| {condition} | {method} | {right} | {wrong:.3f} | {mean:.3f} | {largest:.1f} |")
+            print(
+                f"| {condition} | {method} | {right} | {wrong:.3f} | {mean:.3f} | {largest:.1f} |"
+            )
 
 
 def main() -> None:

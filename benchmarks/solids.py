@@ -89,7 +89,11 @@ def mesh_model(path):
         return np.sum(votes, axis=0) >= 2
 
     manifold = shape.closed and shape.vertex_manifold
-    return Model(partial(on_triangles, points, faces), inside, (shape.components, shape.genus) if manifold else None)
+    return Model(
+        partial(on_triangles, points, faces),
+        inside,
+        (shape.components, shape.genus) if manifold else None,
+    )
 
 
 # -------------------------------------------------------------------------------- analytic models
@@ -179,7 +183,7 @@ def frame(points):
 
 def comb(points):
     """A slab with deep, narrow slots."""
-    x, y, z = points.T
+    x, _, z = points.T
     body = superquadric([1, 0.5, 0.4], 8)(points)
     slots = np.minimum(0.05 - np.abs((x + 0.2) % 0.4 - 0.2), 0.2 + z)
     return np.maximum(body, slots)

@@ -32,10 +32,9 @@ nb::ndarray<nb::numpy, std::uint8_t> grow(const Cells& cells, const Row<std::uin
   auto* grown = new std::vector<std::uint8_t>();
   nb::capsule owner(grown, [](void* p) noexcept { delete static_cast<std::vector<std::uint8_t>*>(p); });
   {
-    std::vector<Quad> quads(cells.shape(0));
-    std::memcpy(quads.data(), cells.data(), quads.size() * sizeof(Quad));
-    const std::vector<std::uint8_t> wish = row(wanted), sure = row(certain);
-    const std::vector<double> sizes = row(size);
+    const View<Quad> quads{reinterpret_cast<const Quad*>(cells.data()), cells.shape(0)};
+    const View<std::uint8_t> wish{wanted.data(), sites}, sure{certain.data(), sites};
+    const View<double> sizes{size.data(), sites};
     nb::gil_scoped_release release;
     *grown = grow_without_loops(quads, wish, sure, sizes, [] {
       nb::gil_scoped_acquire hold;

@@ -14,7 +14,7 @@ constexpr std::int64_t kStepsPerPoll = 1 << 13;
 struct Stars {
   std::vector<std::int32_t> start, cell;
 
-  Stars(const std::vector<Quad>& cells, const std::vector<std::uint8_t>& candidate) : start(candidate.size() + 1, 0) {
+  Stars(View<Quad> cells, const std::vector<std::uint8_t>& candidate) : start(candidate.size() + 1, 0) {
     for (const Quad& corners : cells)
       for (const std::int32_t site : corners) start[site + 1] += candidate[site];
     for (std::size_t i = 0; i < candidate.size(); ++i) start[i + 1] += start[i];
@@ -26,7 +26,7 @@ struct Stars {
   }
 };
 
-std::vector<std::uint8_t> uncertain(const std::vector<std::uint8_t>& wanted, const std::vector<std::uint8_t>& certain) {
+std::vector<std::uint8_t> uncertain(View<std::uint8_t> wanted, View<std::uint8_t> certain) {
   std::vector<std::uint8_t> result(wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) result[i] = wanted[i] && !certain[i];
   return result;
@@ -42,27 +42,15 @@ struct Candidate {
 
 class Growth {
  public:
-  Growth(const std::vector<Quad>& cells, const std::vector<std::uint8_t>& wanted,
-         const std::vector<std::uint8_t>& certain, const std::vector<double>& size)
+  Growth(View<Quad> cells, View<std::uint8_t> wanted, View<std::uint8_t> certain, View<double> size)
       : cells_(cells),
         candidate_(uncertain(wanted, certain)),
         size_(size),
         stars_(cells, candidate_),
-        grown_(certain),
+        grown_(certain.begin(), certain.end()),
         queued_(wanted.size(), 0),
         place_(wanted.size(), -1),
         pieces_(wanted.size()) {
-    for (const Quad& corners : cells) {
-      std::int32_t first = -1;
-      for (const std::int32_t site : corners) {
-        if (!grown_[site]) continue;
-        if (first < 0) {
-          first = site;
-        } else {
-          pieces_.join(first, site);
-        }
-      }
-    }
     for (std::size_t site = 0; site < wanted.size(); ++site) offer(static_cast<std::int32_t>(site));
   }
 
@@ -114,8 +102,29 @@ class Growth {
     return k;
   }
 
+  // Join what is grown so far.  Where nothing is at stake, as in most clean scans, it is never asked for.
+  void join_pieces() {
+    joined_ = true;
+    for (const Quad& corners : cells_) {
+      std::int32_t first = -1;
+      for (const std::int32_t site : corners) {
+        if (!grown_[site]) continue;
+        if (first < 0) {
+          first = site;
+        } else {
+          pieces_.join(first, site);
+        }
+      }
+    }
+  }
+
   // Whether two parts round the gathered site are joined elsewhere already.
   bool closes_loop() {
+    std::int32_t parts = 0;
+    for (std::size_t k = 0; k < ring_.size(); ++k)
+      parts += grown_[ring_[k]] && parts_[k] == static_cast<std::int32_t>(k);
+    if (parts < 2) return false;
+    if (!joined_) join_pieces();
     met_.clear();
     for (std::size_t k = 0; k < ring_.size(); ++k)
       if (grown_[ring_[k]] && parts_[k] == static_cast<std::int32_t>(k)) met_.push_back(pieces_.find(ring_[k]));
@@ -127,30 +136,31 @@ class Growth {
     grown_[site] = 1;
     for (const std::int32_t other : ring_) {
       if (grown_[other]) {
-        pieces_.join(site, other);
+        if (joined_) pieces_.join(site, other);
       } else {
         offer(other);  // it may have been refused before
       }
     }
   }
 
-  const std::vector<Quad>& cells_;
+  const View<Quad> cells_;
   const std::vector<std::uint8_t> candidate_;
-  const std::vector<double>& size_;
+  const View<double> size_;
   Stars stars_;
   std::vector<std::uint8_t> grown_, queued_;
   std::vector<std::int32_t> place_;  // of a site in the ring while it is gathered, else -1
   std::vector<std::int32_t> ring_, parts_, met_;
   DisjointSets pieces_;
+  bool joined_ = false;  // whether the pieces are up to date
   std::priority_queue<Candidate> queue_;
 };
 
 }  // namespace
 
-std::vector<std::uint8_t> grow_without_loops(const std::vector<Quad>& cells, const std::vector<std::uint8_t>& wanted,
-                                             const std::vector<std::uint8_t>& certain, const std::vector<double>& size,
+std::vector<std::uint8_t> grow_without_loops(View<Quad> cells, View<std::uint8_t> wanted,
+                                             View<std::uint8_t> certain, View<double> size,
                                              const std::function<void()>& poll) {
-  if (wanted == certain) return wanted;
+  if (std::equal(wanted.begin(), wanted.end(), certain.begin())) return {wanted.begin(), wanted.end()};
   return Growth(cells, wanted, certain, size).run(poll);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "crust.hpp"
+#include "view.hpp"
 
 namespace symrecon {
 
@@ -16,8 +17,8 @@ namespace symrecon {
 // components of the set: such a step adds no loop.  What remains would close loops through uncertain
 // sites alone.  Sites of large `size` join first.  `certain` is a part of `wanted`.
 // `poll` is called now and then and may throw.
-std::vector<std::uint8_t> grow_without_loops(const std::vector<Quad>& cells, const std::vector<std::uint8_t>& wanted,
-                                             const std::vector<std::uint8_t>& certain, const std::vector<double>& size,
+std::vector<std::uint8_t> grow_without_loops(View<Quad> cells, View<std::uint8_t> wanted,
+                                             View<std::uint8_t> certain, View<double> size,
                                              const std::function<void()>& poll);
 
 }  // namespace symrecon

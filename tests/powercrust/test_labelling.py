@@ -325,9 +325,10 @@ def test_a_covered_pole_has_the_label_of_what_covers_it(method):
     assert np.array_equal(labels.inside, (distance > 1.0) & (distance < 1.3))
 
 
-def test_the_cut_bears_outliers_better_than_propagation():
-    rng = np.random.default_rng(8)
-    samples = np.vstack([shapes.torus(4000, seed=8), rng.uniform(-1.4, 1.4, (800, 3))])
+@pytest.mark.parametrize("seed", [8, 9, 10])
+def test_the_cut_bears_outliers_and_propagation_does_not(seed):
+    rng = np.random.default_rng(seed)
+    samples = np.vstack([shapes.torus(4000, seed=seed), rng.uniform(-1.4, 1.4, (400, 3))])
     poles, diagram = poles_of(samples)
     certain = poles.radii > 0.1
     truth = in_torus(poles.centres)[certain]
@@ -335,8 +336,8 @@ def test_the_cut_bears_outliers_better_than_propagation():
         method: np.mean(label_poles(poles, diagram, method=method).inside[certain] != truth)
         for method in METHODS
     }
-    assert wrong["min cut"] < 0.002
-    assert wrong["min cut"] < 0.1 * wrong["propagation"]
+    assert wrong["min cut"] == 0.0
+    assert wrong["propagation"] > 0.01
 
 
 def test_an_unknown_method_is_refused(torus):
