@@ -129,7 +129,8 @@ def _poles_of_samples(poles: Poles, sides: NDArray[np.uint8]) -> NDArray[np.int3
     A sample that lost a pole to noise has the largest ball through it on either side instead.
     """
     of_sample = np.full((len(poles.sites), 2), -1, dtype=np.int32)
-    rising = np.argsort(poles.radii, kind="stable")  # the last one assigned stays
-    of_sample[poles.samples[rising], sides[rising, None]] = rising[:, None]
+    if len(poles.pairs) < poles.sample_count:
+        rising = np.argsort(poles.radii, kind="stable")  # the last one assigned stays
+        of_sample[poles.samples[rising], sides[rising, None]] = rising[:, None]
     of_sample[poles.pair_samples] = poles.pairs
     return of_sample[: poles.sample_count]

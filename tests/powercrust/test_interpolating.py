@@ -240,3 +240,16 @@ def test_poles_of_another_triangulation_are_refused():
     other = delaunay(enclose(shapes.statue(120, seed=3)))
     with pytest.raises(ValueError, match="without its cell"):
         interpolating_faces(other, poles, diagram, inside)
+
+
+@pytest.mark.parametrize("noise", [0.02, 0.03, 0.04])
+def test_noise_as_wide_as_the_spacing_leaves_the_body(noise):
+    rng = np.random.default_rng(21)
+    samples = shapes.torus(6000, seed=20) + noise * rng.normal(size=(6000, 3))
+    surface = surface_through(samples)
+    shape = topology(surface.faces)
+    assert shape.closed
+    assert shape.vertex_manifold
+    assert enclosed_volume(surface.points, surface.faces) == pytest.approx(
+        2 * np.pi**2 * 0.4**2, rel=0.05
+    )
