@@ -103,6 +103,7 @@ def propagate_labels(
     first: NDArray[np.int32],
     second: NDArray[np.int32],
     flatness: NDArray[np.float64],
+    radii: NDArray[np.float64],
     seeds: NDArray[np.uint8],
     offered: float,
     accepted: float,

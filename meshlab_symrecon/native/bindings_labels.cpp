@@ -86,13 +86,15 @@ nb::tuple paths_of(Offsets offsets, Numbers ends, Row<float> lengths, Numbers fi
 }
 
 nb::ndarray<nb::numpy, std::uint8_t> labels_of(Offsets offsets, Numbers ends, Row<float> lengths, Numbers first,
-                                               Numbers second, Row<double> flatness, Row<std::uint8_t> seeds,
-                                               double offered, double accepted, const nb::object& progress) {
+                                               Numbers second, Row<double> flatness, Row<double> radii,
+                                               Row<std::uint8_t> seeds, double offered, double accepted,
+                                               const nb::object& progress) {
+  if (radii.shape(0) != seeds.shape(0)) throw std::invalid_argument("one radius for each seed");
   const Network intersections{view(offsets), view(ends), view(lengths)};
   const Progress report = reporter(progress);
   return give(without_gil([&] {
     const OppositePoles opposites(seeds.shape(0), view(first), view(second), view(flatness));
-    return propagate_labels({intersections, opposites}, view(seeds), {offered, accepted}, report);
+    return propagate_labels({intersections, opposites}, view(radii), view(seeds), {offered, accepted}, report);
   }));
 }
 
@@ -132,8 +134,8 @@ void bind_labels(nb::module_& module) {
              nb::arg("second"), nb::arg("crossings"), nb::arg("seeds"), nb::arg("progress") = nb::none(),
              "Length of the shortest path from a seed to the outer and to the inner copy of each pole.");
   module.def("propagate_labels", &labels_of, nb::arg("offsets"), nb::arg("ends"), nb::arg("lengths"), nb::arg("first"),
-             nb::arg("second"), nb::arg("flatness"), nb::arg("seeds"), nb::arg("offered"), nb::arg("accepted"),
-             nb::arg("progress") = nb::none(),
+             nb::arg("second"), nb::arg("flatness"), nb::arg("radii"), nb::arg("seeds"), nb::arg("offered"),
+             nb::arg("accepted"), nb::arg("progress") = nb::none(),
              "The label of each pole by greedy propagation: 0 none, 1 outside, 2 inside.");
   nb::class_<BoundCut>(module, "MinimumCut")
       .def(nb::init<Offsets, Numbers, Row<std::uint16_t>>(), nb::arg("offsets"), nb::arg("ends"),

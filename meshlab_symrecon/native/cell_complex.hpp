@@ -84,12 +84,11 @@ class CellComplex {
 #endif
   }
 
-  // The cells that have a number, in the order of the numbers, which ascend; -1 leaves a cell out.
+  // The cells that have a number, in the order of the numbers; -1 leaves a cell out.
   std::vector<Four> numbered_vertices(const std::vector<std::int32_t>& number, std::size_t count) const {
-    std::vector<Four> vertices;
-    vertices.reserve(count);
+    std::vector<Four> vertices(count);
     for (std::size_t i = 0; i < cells_.size(); ++i)
-      if (number[i] >= 0) vertices.push_back(cells_[i].vertex);
+      if (number[i] >= 0) vertices[number[i]] = cells_[i].vertex;
     return vertices;
   }
 
@@ -107,11 +106,11 @@ class CellComplex {
     }
     const std::size_t kept = (packed + 1) / 2;
     abandon(cells_.data() + kept, (cells_.size() - kept) * sizeof(Cell));
-    std::vector<Four> neighbours;
-    neighbours.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) {
+    std::vector<Four> neighbours(count);
+    packed = 0;
+    for (std::size_t i = 0; i < number.size(); ++i) {
       if (i % cells_per_checkpoint == 0) checkpoint();
-      neighbours.push_back(packed_four(i));
+      if (number[i] >= 0) neighbours[number[i]] = packed_four(packed++);
     }
     std::vector<Cell>().swap(cells_);
     std::vector<Mark>().swap(marks_);

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "crust.hpp"
+#include "memory_pages.hpp"
 #include "vectors.hpp"
 
 namespace symrecon {
@@ -71,12 +72,12 @@ class Clusters {
   View<Position> positions_;
   View<std::int32_t> nearest_, offsets_, corners_;
   View<Position> samples_;
-  std::vector<Quad> polygons_;  // round each vertex: three or four
-  std::vector<std::int32_t> representative_;
-  std::vector<std::int32_t> local_;  // of the vertices of the set at hand: their places in it
-  std::vector<std::int32_t> after_;  // of the vertices round it: the next one
-  std::vector<std::int32_t> seen_;   // the last set that each polygon was met in
-  std::vector<std::int32_t> base_;   // of each polygon: the place of the corner its fan starts from
+  LargeVector<Quad> polygons_;  // round each vertex: three or four
+  LargeVector<std::int32_t> representative_;
+  LargeVector<std::int32_t> local_;  // of the vertices of the set at hand: their places in it
+  LargeVector<std::int32_t> after_;  // of the vertices round it: the next one
+  LargeVector<std::int32_t> seen_;   // the last set that each polygon was met in
+  LargeVector<std::int32_t> base_;   // of each polygon: the place of the corner its fan starts from
   std::int32_t sets_ = 0;
   // of the set at hand
   std::vector<std::int32_t> parent_, parts_;
@@ -87,7 +88,7 @@ class Clusters {
 // Fans start at a sample, else at the corner nearest to its own.  Which one depends on the surface only, not
 // on the order of the corners: of several samples it is the one whose other vertices are the farthest.
 void Clusters::choose_bases() {
-  std::vector<float> rank(positions_.size()), spread(samples_.size(), 0.0f);
+  LargeVector<float> rank(positions_.size()), spread(samples_.size(), 0.0f);
   for (std::size_t vertex = 0; vertex < rank.size(); ++vertex) {
     const Position gap = minus(positions_[vertex], samples_[nearest_[vertex]]);
     rank[vertex] = static_cast<float>(dot(gap, gap));
@@ -215,7 +216,7 @@ SampledSurface Clusters::surface() const {
   result.points.reserve(count);
   result.nearest.reserve(count);
   result.faces.reserve(2 * count + 64);
-  std::vector<std::int32_t> number(positions_.size(), -1);
+  LargeVector<std::int32_t> number(positions_.size(), -1);
   const auto numbered = [&](std::int32_t vertex) {
     if (number[vertex] < 0) {
       number[vertex] = static_cast<std::int32_t>(result.points.size());

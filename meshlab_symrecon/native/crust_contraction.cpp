@@ -5,6 +5,7 @@
 
 #include "crust.hpp"
 #include "half_edges.hpp"
+#include "memory_pages.hpp"
 #include "position_table.hpp"
 #include "vectors.hpp"
 
@@ -59,14 +60,14 @@ class Contraction {
   bool join_at(std::int32_t hub);
   void step_aside(std::int32_t vertex);
 
-  std::vector<Position> points_;
+  LargeVector<Position> points_;
   View<std::int32_t> nearest_;
   Samples samples_;
   Leanness leanness_;
   HalfEdges halves_;
-  std::vector<std::int32_t> stamps_;  // the last walk that met a vertex
-  std::vector<float> moved_;          // how far the surface has moved at a vertex
-  std::vector<float> turn_;           // when a vertex may go, kDone once it has had its turn
+  LargeVector<std::int32_t> stamps_;  // the last walk that met a vertex
+  LargeVector<float> moved_;          // how far the surface has moved at a vertex
+  LargeVector<float> turn_;           // when a vertex may go, kDone once it has had its turn
   std::int32_t walks_ = 0;
   std::vector<Spoke> spokes_;  // of the last walk
 };
@@ -290,7 +291,7 @@ SampledSurface Contraction::surface() const {
   result.points.reserve(vertices);
   result.nearest.reserve(vertices);
   result.faces.reserve(faces);
-  std::vector<std::int32_t> number(points_.size(), -1);
+  LargeVector<std::int32_t> number(points_.size(), -1);
   for (std::int32_t face = 0; face < halves_.size() / 4; ++face) {
     if (!halves_.is_face(face)) continue;
     Triangle corners = halves_.face(face);

@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "crust.hpp"
+#include "memory_pages.hpp"
 
 namespace symrecon {
 namespace {
@@ -49,7 +50,7 @@ class Flood {
     }
   }
 
-  std::vector<MixedCell>& mixed() { return mixed_; }
+  LargeVector<MixedCell>& mixed() { return mixed_; }
   std::vector<std::int32_t>& chosen() { return chosen_; }
 
  private:
@@ -81,8 +82,9 @@ class Flood {
 
   View<Quad> cells_, neighbours_;
   View<std::uint8_t> inside_;
-  std::vector<std::int32_t> place_, chosen_;
-  std::vector<MixedCell> mixed_;
+  LargeVector<std::int32_t> place_;
+  std::vector<std::int32_t> chosen_;
+  LargeVector<MixedCell> mixed_;
 };
 
 int place_of(std::int32_t site, const Quad& sites) {
@@ -92,7 +94,7 @@ int place_of(std::int32_t site, const Quad& sites) {
 // Walks round the mixed edges of the mixed cells, each once.
 class Rings {
  public:
-  Rings(const std::vector<MixedCell>& mixed, View<std::uint8_t> inside, Polygons& polygons)
+  Rings(const LargeVector<MixedCell>& mixed, View<std::uint8_t> inside, Polygons& polygons)
       : mixed_(mixed), inside_(inside), polygons_(polygons), done_(mixed.size(), 0) {}
 
   void enter(std::int32_t first) {
@@ -129,10 +131,10 @@ class Rings {
     polygons_.offsets.push_back(static_cast<std::int32_t>(polygons_.corners.size()));
   }
 
-  const std::vector<MixedCell>& mixed_;
+  const LargeVector<MixedCell>& mixed_;
   View<std::uint8_t> inside_;
   Polygons& polygons_;
-  std::vector<std::uint16_t> done_;  // bit 4 a + b for the edge from corner a to corner b
+  LargeVector<std::uint16_t> done_;  // bit 4 a + b for the edge from corner a to corner b
 };
 
 }  // namespace
@@ -140,7 +142,7 @@ class Rings {
 Polygons mixed_edge_polygons(View<Quad> cells, View<Quad> neighbours, View<std::uint8_t> inside,
                              const Progress& progress) {
   Polygons result;
-  std::vector<MixedCell> mixed;
+  LargeVector<MixedCell> mixed;
   {
     Flood flood(cells, neighbours, inside, progress);
     mixed = std::move(flood.mixed());

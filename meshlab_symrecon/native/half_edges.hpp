@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "crust.hpp"
+#include "memory_pages.hpp"
 
 namespace symrecon {
 
@@ -60,8 +61,8 @@ class HalfEdges {
 
   // Half-edges without their twin wait in a list at the smaller end.
   void pair() {
-    std::vector<std::int32_t> waiting(leaving_.size(), -1), next(corners_.size());
-    std::vector<std::int32_t>& far = twins_;  // the larger end, until the twin is known
+    LargeVector<std::int32_t> waiting(leaving_.size(), -1), next(corners_.size());
+    LargeVector<std::int32_t>& far = twins_;  // the larger end, until the twin is known
     std::size_t lonely = 0;
     for (std::int32_t half = 0; half < size(); ++half) {
       if ((half & 3) == 3) continue;
@@ -86,9 +87,9 @@ class HalfEdges {
     if (lonely != 0) throw std::invalid_argument("the surface is not closed and oriented");
   }
 
-  std::vector<std::int32_t> corners_;  // where each half-edge starts; the first of a dead face is -1
-  std::vector<std::int32_t> twins_;
-  std::vector<std::int32_t> leaving_;  // a half-edge from each vertex, or -1
+  LargeVector<std::int32_t> corners_;  // where each half-edge starts; the first of a dead face is -1
+  LargeVector<std::int32_t> twins_;
+  LargeVector<std::int32_t> leaving_;  // a half-edge from each vertex, or -1
 };
 
 }  // namespace symrecon

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -36,5 +38,28 @@ inline void abandon(const void* memory, std::size_t bytes) {
   (void)memory, (void)bytes;
 #endif
 }
+
+// Memory in large pages for arrays of megabytes: fewer faults while it fills, fewer address translations after.
+template <class Item>
+struct LargePages {
+  using value_type = Item;
+
+  LargePages() = default;
+  template <class Other>
+  LargePages(const LargePages<Other>&) {}  // NOLINT: allocators convert
+
+  Item* allocate(std::size_t count) {
+    Item* const memory = std::allocator<Item>().allocate(count);
+    if (count * sizeof(Item) >= (std::size_t(1) << 22)) prefer_large_pages(memory, count * sizeof(Item));
+    return memory;
+  }
+  void deallocate(Item* memory, std::size_t count) { std::allocator<Item>().deallocate(memory, count); }
+
+  friend bool operator==(const LargePages&, const LargePages&) { return true; }
+  friend bool operator!=(const LargePages&, const LargePages&) { return false; }
+};
+
+template <class Item>
+using LargeVector = std::vector<Item, LargePages<Item>>;
 
 }  // namespace symrecon

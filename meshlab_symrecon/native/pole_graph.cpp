@@ -114,10 +114,43 @@ Buckets poles_at_samples(const UsedBalls& balls) {
   });
 }
 
+// Samples where more balls meet than may all be paired: there only the largest ones are paired with all others.  Which
+// ones these are does not depend on their numbers.
+class Crowds {
+ public:
+  Crowds(const UsedBalls& balls, const Buckets& at_sample, std::int32_t most) : most_(most) {
+    std::vector<std::int32_t> there;
+    for (std::int32_t sample = 0; sample < balls.sample_count; ++sample) {
+      const auto first = at_sample.items.begin() + at_sample.offsets[sample];
+      const auto last = at_sample.items.begin() + at_sample.offsets[sample + 1];
+      if (last - first <= most) continue;
+      there.assign(first, last);
+      std::nth_element(there.begin(), there.begin() + most, there.end(), [&](std::int32_t a, std::int32_t b) {
+        return balls.radii[a] != balls.radii[b] ? balls.radii[a] > balls.radii[b] : balls.centres[a] < balls.centres[b];
+      });
+      samples_.push_back(sample);
+      largest_.insert(largest_.end(), there.begin(), there.begin() + most);
+      std::sort(largest_.end() - most, largest_.end());
+    }
+  }
+
+  // The largest balls at a crowded sample, in rising order; else an empty range.
+  View<std::int32_t> largest(std::int32_t sample) const {
+    const auto found = std::lower_bound(samples_.begin(), samples_.end(), sample);
+    if (found == samples_.end() || *found != sample) return {largest_.data(), 0};
+    return {largest_.data() + (found - samples_.begin()) * most_, static_cast<std::size_t>(most_)};
+  }
+
+ private:
+  std::ptrdiff_t most_;
+  std::vector<std::int32_t> samples_, largest_;
+};
+
 LowerEdges lower_edges(const UsedBalls& balls, View<Quad> cells, View<Quad> neighbours, std::int32_t most_partners,
                        const Progress& progress) {
   const std::size_t count = balls.radii.size();
   const Buckets at_sample = poles_at_samples(balls);
+  const Crowds crowds(balls, at_sample, most_partners);
   const Buckets joined = lower_neighbours(cells, neighbours, count);
   LowerEdges edges(balls, joined.items.size());
   Patience patience(progress, count);
@@ -131,9 +164,15 @@ LowerEdges lower_edges(const UsedBalls& balls, View<Quad> cells, View<Quad> neig
       for (const std::int32_t sample : balls.samples[i]) {
         if (sample >= balls.sample_count) continue;
         const std::int64_t place = next[sample]++;
-        const std::int64_t first =
-            std::max<std::int64_t>(at_sample.offsets[sample], place - most_partners + 1);
-        for (std::int64_t k = first; k < place; ++k) edges.offer(at_sample.items[k], pole);
+        const std::int64_t first = at_sample.offsets[sample];
+        const bool crowded = at_sample.offsets[sample + 1] - first > most_partners;
+        const View<std::int32_t> largest = crowded ? crowds.largest(sample) : View<std::int32_t>{nullptr, 0};
+        if (crowded && !std::binary_search(largest.begin(), largest.end(), pole)) {
+          for (const std::int32_t partner : largest)
+            if (partner < pole) edges.offer(partner, pole);
+        } else {
+          for (std::int64_t k = first; k < place; ++k) edges.offer(at_sample.items[k], pole);
+        }
       }
     edges.close(pole);
   }

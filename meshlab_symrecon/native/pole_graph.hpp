@@ -28,8 +28,8 @@ struct UsedBalls {
   std::int32_t sample_count;
 };
 
-// Join the used balls that share an edge of `cells`, or a sample with one of the `most_partners` - 1
-// used balls before them at that sample, where their cosine is positive.
+// Join the used balls that share an edge of `cells`, or a sample with one of the `most_partners`
+// largest used balls there, where their cosine is positive.
 PoleGraph pole_graph(const UsedBalls& balls, View<Quad> cells, View<Quad> neighbours,
                      std::int32_t most_partners, const Progress& progress);
 

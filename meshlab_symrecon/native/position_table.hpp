@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "crust.hpp"
+#include "view.hpp"
 
 namespace symrecon {
 
@@ -27,7 +28,7 @@ class PositionTable {
   }
 
   // Enter the position of a vertex, unless an equal one is there; whether it was new.
-  bool enter(const std::vector<Position>& points, std::int32_t vertex) {
+  bool enter(View<Position> points, std::int32_t vertex) {
     const std::size_t mask = entries_.size() - 1;
     for (std::size_t slot = hash(points[vertex]) >> shift_;; slot = (slot + 1) & mask) {
       if (entries_[slot] < 0) {

@@ -12,14 +12,18 @@ PoleLabel other(PoleLabel label) { return label == inner_pole ? outer_pole : inn
 
 class Propagation {
  public:
-  Propagation(const Evidence& evidence, std::size_t poles)
-      : evidence_(evidence), labels_(poles, unlabelled), outer_(poles, 0.0), inner_(poles, 0.0) {}
+  Propagation(const Evidence& evidence, View<double> radii)
+      : evidence_(evidence),
+        radii_(radii),
+        labels_(radii.size(), unlabelled),
+        outer_(radii.size(), 0.0),
+        inner_(radii.size(), 0.0) {}
 
   void offer(std::int32_t pole, PoleLabel label, double confidence) {
     double& best = (label == inner_pole ? inner_ : outer_)[pole];
     if (labels_[pole] != unlabelled || !(confidence > best)) return;
     best = confidence;
-    queue_.push({priority(pole), pole});
+    queue_.push({priority(pole), radii_[pole], pole});
   }
 
   // Label the most certain pole, which then offers what follows from it, until none is left.
@@ -51,11 +55,12 @@ class Propagation {
 
  private:
   struct Candidate {
-    double priority;
+    double priority, radius;
     std::int32_t pole;
 
     bool operator<(const Candidate& than) const {
-      return priority != than.priority ? priority < than.priority : pole > than.pole;
+      if (priority != than.priority) return priority < than.priority;
+      return radius != than.radius ? radius < than.radius : pole > than.pole;
     }
   };
 
@@ -100,6 +105,7 @@ class Propagation {
   }
 
   const Evidence& evidence_;
+  const View<double> radii_;
   std::vector<PoleLabel> labels_;
   std::vector<double> outer_, inner_;  // the best offers
   std::priority_queue<Candidate> queue_;
@@ -107,9 +113,9 @@ class Propagation {
 
 }  // namespace
 
-std::vector<std::uint8_t> propagate_labels(const Evidence& evidence, View<std::uint8_t> seeds,
+std::vector<std::uint8_t> propagate_labels(const Evidence& evidence, View<double> radii, View<std::uint8_t> seeds,
                                            const Thresholds& thresholds, const Progress& progress) {
-  Propagation propagation(evidence, seeds.size());
+  Propagation propagation(evidence, radii);
   for (std::size_t pole = 0; pole < seeds.size(); ++pole)
     if (seeds[pole]) propagation.offer(static_cast<std::int32_t>(pole), outer_pole, 1.0);
   Patience patience(progress, seeds.size());

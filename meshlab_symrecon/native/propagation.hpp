@@ -24,8 +24,8 @@ struct Thresholds {
   double accepted;  // least cosine with which a ball that was offered none takes one
 };
 
-// The label of each pole; `seeds` are outer ones.
-std::vector<std::uint8_t> propagate_labels(const Evidence& evidence, View<std::uint8_t> seeds,
+// The label of each pole; `seeds` are outer ones.  Of equally certain poles the largest ball comes first.
+std::vector<std::uint8_t> propagate_labels(const Evidence& evidence, View<double> radii, View<std::uint8_t> seeds,
                                            const Thresholds& thresholds, const Progress& progress);
 
 }  // namespace symrecon

@@ -46,12 +46,26 @@ Distinct distinct_in_order(const std::vector<Site>& sites, const Progress& progr
   return distinct;
 }
 
-// Consecutive numbers for the finite cells, -1 for others.
-std::vector<std::int32_t> number_finite_cells(const CellComplex& complex, std::size_t& count) {
-  std::vector<std::int32_t> number(complex.size(), -1);
-  count = 0;
+// Consecutive numbers for the finite cells in the order of their first sites, -1 for others. Sites that are near each
+// other in the input are likely to be near in space; then so are cells, for everybody who passes over them later.
+std::vector<std::int32_t> number_finite_cells(const CellComplex& complex, const std::vector<std::int32_t>& original,
+                                              std::size_t sites, std::size_t& count) {
+  const auto first_site = [&](std::int32_t i) {
+    const Four& vertex = complex[i].vertex;
+    return std::min(std::min(original[vertex[0]], original[vertex[1]]),
+                    std::min(original[vertex[2]], original[vertex[3]]));
+  };
+  std::vector<std::int32_t> number(complex.size(), -1), next(sites + 1, 0);
   for (std::int32_t i = 0; i < complex.size(); ++i)
-    if (complex.exists(i) && !complex[i].is_infinite()) number[i] = std::int32_t(count++);
+    if (complex.exists(i) && !complex[i].is_infinite()) ++next[number[i] = first_site(i)];
+  count = 0;
+  for (std::int32_t& start : next) {
+    const std::int32_t cells = start;
+    start = std::int32_t(count);
+    count += cells;
+  }
+  for (std::int32_t& entry : number)
+    if (entry >= 0) entry = next[entry]++;
   return number;
 }
 
@@ -80,7 +94,7 @@ RegularTriangulation regular_triangulation(std::vector<Site> sites, const Progre
   triangulator.build(simplex, progress);
 
   std::size_t count;
-  const std::vector<std::int32_t> number = number_finite_cells(triangulator.complex(), count);
+  const std::vector<std::int32_t> number = number_finite_cells(triangulator.complex(), distinct.original, total, count);
   for (std::int32_t i = 0; i < std::int32_t(distinct.sites.size()); ++i) {
     if (i % insertions_per_report == 0 && progress) progress(1.0);
     if (triangulator.is_hidden(i)) result.hidden_cell[distinct.original[i]] = number[triangulator.locate(i)];

@@ -9,20 +9,32 @@ where the link condition holds: that keeps the manifold.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Faces, Floats, Indices, Points
-from meshlab_symrecon.geometry.triangulation import Triangulation
+from meshlab_symrecon.geometry.triangulation import SmallIndices, Triangulation
 from meshlab_symrecon.powercrust.poles import Poles
+from meshlab_symrecon.powercrust.progress import Progress, part
 
-__all__ = ["FLAT", "REACH", "WELD", "Crust", "crust_faces"]
+__all__ = [
+    "FLAT",
+    "REACH",
+    "WELD",
+    "Crust",
+    "WallTriangles",
+    "Walls",
+    "contracted",
+    "crust_faces",
+    "crust_walls",
+    "joined_at_samples",
+]
 
 WELD = 0.1  # local spacings: shorter edges are contracted; far below what the samples resolve
 FLAT = 0.015  # local spacings: a vertex goes when its removal moves the surface by less
+WALLS_DONE, JOINED = 0.4, 0.65  # shares of the time
 REACH = 2.0  # radii of the smallest ball: a power vertex farther off comes from a flat cell
 
 
@@ -50,12 +62,33 @@ class Crust:
     replaced: int
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Walls:
+    """The faces between inner and outer power cells, as polygons."""
+
+    vertices: Points  # (k, 3)
+    nearest: SmallIndices  # (k,)  the sample nearest to each
+    offsets: SmallIndices  # (w + 1,)  wall i has the corners offsets[i] to offsets[i + 1]
+    corners: SmallIndices  # (c,)  vertices, counter-clockwise seen from outside
+    replaced: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WallTriangles:
+    """Walls cut into triangles, with one vertex a sample where that keeps the manifold."""
+
+    points: Points  # (k, 3)
+    faces: SmallIndices  # (t, 3)
+    nearest: SmallIndices  # (k,)
+    replaced: int
+
+
 def crust_faces(
     poles: Poles,
     diagram: Triangulation,
     inside: Booleans,
     *,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> Crust:
     """Return the triangulated faces between inner and outer cells of the power diagram.
 
@@ -68,10 +101,24 @@ def crust_faces(
     progress : callable, optional
         Called with the share done, 0 to 1.
     """
-    samples = np.ascontiguousarray(poles.sites[: poles.sample_count])
-    spacing = np.nan_to_num(poles.spacing, posinf=0.0)  # of a sample without neighbours
+    walls = crust_walls(poles, diagram, inside, progress=part(progress, 0.0, WALLS_DONE))
+    joined = joined_at_samples(walls, poles, progress=part(progress, WALLS_DONE, JOINED))
+    return contracted(joined, poles, progress=part(progress, JOINED, 1.0))
+
+
+def crust_walls(
+    poles: Poles,
+    diagram: Triangulation,
+    inside: Booleans,
+    *,
+    progress: Progress | None = None,
+) -> Walls:
+    """Return the faces between inner and outer cells: the first step of `crust_faces`.
+
+    The steps are apart so that the diagram, and then the walls, can be let go between them.
+    """
     cells, offsets, corners = _native.mixed_edge_polygons(
-        diagram.cells, diagram.neighbours, inside.astype(np.uint8), _part(progress, 0.0, 0.25)
+        diagram.cells, diagram.neighbours, inside.astype(np.uint8), part(progress, 0.0, 0.5)
     )
     vertices, nearest, replaced = _native.power_vertices(
         poles.centres,
@@ -82,24 +129,31 @@ def crust_faces(
         diagram.cells,
         cells,
         REACH,
-        _part(progress, 0.25, 0.5),
+        part(progress, 0.5, 1.0),
     )
-    del cells
+    return Walls(vertices, nearest, offsets, corners, replaced)
+
+
+def joined_at_samples(
+    walls: Walls, poles: Poles, *, progress: Progress | None = None
+) -> WallTriangles:
+    """Return walls as triangles, joined at samples: the second step of `crust_faces`."""
     points, faces, nearest = _native.join_at_samples(
-        vertices, nearest, offsets, corners, samples, _part(progress, 0.5, 0.7)
+        walls.vertices, walls.nearest, walls.offsets, walls.corners, _samples(poles), progress
     )
-    del vertices, offsets, corners
+    return WallTriangles(points, faces, nearest, walls.replaced)
+
+
+def contracted(walls: WallTriangles, poles: Poles, *, progress: Progress | None = None) -> Crust:
+    """Return walls without short edges, thinned out in flat places: the third step."""
+    samples = _samples(poles)
+    spacing = np.nan_to_num(poles.spacing, posinf=0.0)  # of a sample without neighbours
     points, faces, nearest = _native.contract_edges(
-        points, faces, nearest, samples, spacing, WELD, FLAT, _part(progress, 0.7, 1.0)
+        walls.points, walls.faces, walls.nearest, samples, spacing, WELD, FLAT, progress
     )
     gap = np.linalg.norm(points - samples[nearest], axis=1)
-    return Crust(points, faces.astype(np.int64), nearest.astype(np.int64), gap, replaced)
+    return Crust(points, faces.astype(np.int64), nearest.astype(np.int64), gap, walls.replaced)
 
 
-def _part(
-    progress: Callable[[float], object] | None, low: float, high: float
-) -> Callable[[float], object] | None:
-    """Return a callback that reports the progress of one step as a part of the whole."""
-    if progress is None:
-        return None
-    return lambda fraction: progress(low + (high - low) * fraction)
+def _samples(poles: Poles) -> Points:
+    return np.ascontiguousarray(poles.sites[: poles.sample_count])

@@ -87,8 +87,11 @@ def label_poles(
     outer = _certainly_outside(poles, diagram)
     near = intersections(poles, diagram, progress=part(progress, 0.0, GRAPH_DONE))
     across = opposites(poles, diagram.representative)
-    decide = _by_minimum_cut if method == "min cut" else propagated
-    inside, reached = decide(near, across, outer, progress=part(progress, GRAPH_DONE, 1.0))
+    rest = part(progress, GRAPH_DONE, 1.0)
+    if method == "min cut":
+        inside, reached = _by_minimum_cut(near, across, outer, progress=rest)
+    else:
+        inside, reached = propagated(near, across, poles.radii, outer, progress=rest)
     inside &= reached & shown
     if smallest_handle > 0.0:
         sizes = relative_sizes(poles)

@@ -23,7 +23,7 @@ __all__ = ["corrected_by_cuts", "path_costs"]
 
 SMOOTHNESS = 100.0  # capacity between balls that coincide
 OPPOSITION = 50.0  # capacity of a certain opposite
-CONFIDENCE = 5.0  # capacity gained with each unit of a path's confidence
+CONFIDENCE = 10.0  # capacity gained with each unit of a path's confidence
 MOST_CONFIDENCE = 20.0
 ROUNDS = 2
 MOST_TURNED = 0.4  # of the inner poles: cuts that correct more found a short way across a hole

@@ -24,8 +24,8 @@ __all__ = ["Intersections", "Opposites", "intersections", "opposites", "shown_po
 SmallIndices: TypeAlias = NDArray[np.int32]
 
 FLATTEST = 1.0 - 1e-9  # cosine of poles straight across; keeps -log of it above zero
-MOST_PARTNERS = 24  # balls that meet in a sample, of which about eight are usual
-LONG = 3.0  # spacings: a sample with both poles farther than this lies on the surface for certain
+MOST_PARTNERS = 24  # at a sample with more balls (about eight are usual) the largest meet the rest
+LONG = 2.0  # spacings: a sample with a pole farther than this lies on the surface for certain
 TYPICAL = 1.5  # times the median length, where noise makes most cells round
 STEEPNESS = 4.0  # power with which certainty falls with nearer poles
 
@@ -135,11 +135,11 @@ def opposites(poles: Poles, representative: SmallIndices) -> Opposites:
 def _trust(poles: Poles) -> Floats:
     """Return (k,) how much a sample's cell looks like one on a surface, 0 to 1.
 
-    The Voronoi cell of a sample on a well sampled surface is long and thin: both poles are much
-    farther away than the next samples.  An outlier's cell is round, and says nothing.  Where noise
-    makes most cells round, only those rounder than usual are doubted.
+    A sample of a surface has at least one pole much farther away than the next samples, even in a
+    thin wall; an outlier's cell is round, and says nothing.  Where noise makes most cells round,
+    only those rounder than usual are doubted.
     """
-    length = poles.radii[poles.pairs].min(axis=1) / poles.room[poles.pair_samples]
+    length = poles.radii[poles.pairs].max(axis=1, initial=0.0) / poles.room[poles.pair_samples]
     certain = min(LONG, TYPICAL * float(np.median(length)))
     trust: Floats = np.minimum(1.0, length / certain) ** STEEPNESS
     return trust

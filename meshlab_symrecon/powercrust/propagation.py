@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshlab_symrecon import _native
-from meshlab_symrecon.arrays import Booleans
+from meshlab_symrecon.arrays import Booleans, Floats
 from meshlab_symrecon.powercrust.pole_graph import Intersections, Opposites
 from meshlab_symrecon.powercrust.progress import Progress
 
@@ -25,6 +25,7 @@ OUTSIDE, INSIDE = 1, 2  # labels of the native code; 0 is none
 def propagated(
     near: Intersections,
     across: Opposites,
+    radii: Floats,
     outer: Booleans,
     *,
     progress: Progress | None = None,
@@ -35,6 +36,8 @@ def propagated(
     ----------
     near : Intersections
     across : Opposites
+    radii : (p,) float
+        Of the balls; of equally confident offers that to the largest ball comes first.
     outer : (p,) bool
         Poles that lie outside for certain, where the labels start.
     progress : callable, optional
@@ -52,6 +55,7 @@ def propagated(
         across.first,
         across.second,
         across.flatness,
+        radii,
         outer.view(np.uint8),
         OFFERED,
         ACCEPTED,

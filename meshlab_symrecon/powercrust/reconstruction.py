@@ -20,7 +20,7 @@ from meshlab_symrecon.geometry.triangulation import (
     regular_triangulation,
 )
 from meshlab_symrecon.powercrust.caps import find_caps
-from meshlab_symrecon.powercrust.crust import crust_faces
+from meshlab_symrecon.powercrust.crust import contracted, crust_walls, joined_at_samples
 from meshlab_symrecon.powercrust.interpolating import interpolating_faces
 from meshlab_symrecon.powercrust.labelling import METHODS, Labels, label_poles
 from meshlab_symrecon.powercrust.medial_axis import MedialAxis, medial_axis
@@ -28,6 +28,7 @@ from meshlab_symrecon.powercrust.near_poles import join_near_poles
 from meshlab_symrecon.powercrust.normal_cloud import normalised
 from meshlab_symrecon.powercrust.outliers import outliers
 from meshlab_symrecon.powercrust.poles import Poles, enclose, find_poles
+from meshlab_symrecon.powercrust.progress import part
 from meshlab_symrecon.powercrust.small_balls import NoiseLimits, drop_small_balls, noise_limits
 from meshlab_symrecon.powercrust.stages import Stages
 from meshlab_symrecon.powercrust.trimming import trim
@@ -194,11 +195,24 @@ def reconstruct(
     poles = join_near_poles(poles)
     diagram = _power_diagram(poles, stages)
     labels = _labels(poles, diagram, recipe, limits, stages)
-    if diagram is None or not labels.inside.any():
-        surface, axis, hull = _convex_hull(cloud.samples), NO_AXIS, True
+    hull = diagram is None or not labels.inside.any()
+    axis = NO_AXIS
+    if diagram is None or hull:
+        surface = _convex_hull(cloud.samples)
     else:
-        surface = _surface(voronoi, poles, diagram, labels, recipe, stages)
-        axis, hull = _axis(poles, diagram, labels, recipe, stages), False
+        axis = _axis(poles, diagram, labels, recipe, stages)
+        report = stages.begin("extracting the surface", until=0.95)
+        if voronoi is not None:
+            through = interpolating_faces(voronoi, poles, diagram, labels.inside)
+            surface = Surface(through.points, through.faces, through.samples)
+        else:
+            walls = crust_walls(poles, diagram, labels.inside, progress=part(report, 0.0, 0.4))
+            del diagram  # these take most of the memory
+            joined = joined_at_samples(walls, poles, progress=part(report, 0.4, 0.65))
+            del walls
+            crust = contracted(joined, poles, progress=part(report, 0.65, 1.0))
+            del joined
+            surface = Surface(crust.points, crust.faces, crust.nearest)
     surface, largest_cap, opened = _trimmed(surface, cloud.samples, poles, recipe, stages)
     stages.end()
     return PowerCrust(
@@ -274,28 +288,12 @@ def _labels(
     )
 
 
-def _surface(
-    voronoi: Triangulation | None,
-    poles: Poles,
-    diagram: Triangulation,
-    labels: Labels,
-    recipe: Recipe,
-    stages: Stages,
-) -> Surface:
-    report = stages.begin("extracting the surface", until=0.9)
-    if voronoi is not None:
-        through = interpolating_faces(voronoi, poles, diagram, labels.inside)
-        return Surface(through.points, through.faces, through.samples)
-    crust = crust_faces(poles, diagram, labels.inside, progress=report)
-    return Surface(crust.points, crust.faces, crust.nearest)
-
-
 def _axis(
     poles: Poles, diagram: Triangulation, labels: Labels, recipe: Recipe, stages: Stages
 ) -> MedialAxis:
     if not recipe.with_axis:
         return NO_AXIS
-    stages.begin("extracting the medial axis", until=0.95)
+    stages.begin("extracting the medial axis", until=0.75)
     spacing = float(np.median(poles.room))
     return medial_axis(
         poles,

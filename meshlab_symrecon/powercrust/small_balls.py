@@ -20,6 +20,8 @@ __all__ = ["NoiseLimits", "drop_small_balls", "noise_limits", "relative_sizes"]
 
 ROUND = 3.0  # spacings: the larger ball of a sample of a surface is larger
 SOME_NOISE = 0.15  # share of samples with two small balls; finely detailed clean clouds reach 0.11
+UNEVEN = 1.5  # times the usual spacing of the samples on a ball: more says nothing of the ball
+THIN = 0.85  # a handle of clean samples needs a ball of this size
 MUCH_NOISE = 0.5  # the same where the noise is as wide as the spacing
 
 
@@ -42,22 +44,25 @@ class NoiseLimits:
 def relative_sizes(poles: Poles) -> Floats:
     """Return (p,) the radius of each polar ball in multiples of the local spacing.
 
-    The spacing is the largest mean distance to neighbours among the samples on the ball; balls that
+    The spacing is the largest mean distance to neighbours among the samples on the ball, but at
+    most `UNEVEN` times the mean of the middle two, since an outlier may be among them; balls that
     touch no sample are infinitely large.
     """
-    room = np.append(poles.room, 0.0)[np.minimum(poles.samples, poles.sample_count)].max(axis=1)
+    rooms = np.append(poles.room, 0.0)[np.minimum(poles.samples, poles.sample_count)]
+    rooms.sort(axis=1)
+    room = np.minimum(rooms[:, 3], 0.5 * UNEVEN * (rooms[:, 1] + rooms[:, 2]))
     with np.errstate(divide="ignore"):
         sizes: Floats = poles.radii / room
     return sizes
 
 
 def noise_limits(poles: Poles) -> NoiseLimits:
-    """Return the limits that suit the samples: zero for clean ones."""
+    """Return the limits that suit the samples; clean ones keep all balls."""
     larger = poles.radii[poles.pairs].max(axis=1, initial=0.0)
     noisy = np.count_nonzero(larger < ROUND * poles.room[poles.pair_samples])
     if noisy > MUCH_NOISE * len(larger):
         return NoiseLimits(ball=1.0, handle=1.5)
-    return NoiseLimits(ball=0.0, handle=1.0 if noisy > SOME_NOISE * len(larger) else 0.0)
+    return NoiseLimits(ball=0.0, handle=1.0 if noisy > SOME_NOISE * len(larger) else THIN)
 
 
 def drop_small_balls(poles: Poles, smallest: float) -> tuple[Poles, int]:

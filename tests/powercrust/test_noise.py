@@ -14,6 +14,7 @@ from meshlab_symrecon.powercrust.handles import without_small_handles
 from meshlab_symrecon.powercrust.outliers import outliers
 from meshlab_symrecon.powercrust.poles import CUBE, Poles, enclose, find_poles
 from meshlab_symrecon.powercrust.small_balls import (
+    THIN,
     NoiseLimits,
     drop_small_balls,
     noise_limits,
@@ -110,7 +111,7 @@ def test_links_refuse_what_does_not_fit(change):
 def test_clean_samples_keep_all_balls():
     for samples in (shapes.torus(3000, seed=1), shapes.statue(3000), shapes.fibonacci_sphere(500)):
         poles = poles_of(samples)[1]
-        assert noise_limits(poles) == NoiseLimits(ball=0.0, handle=0.0)
+        assert noise_limits(poles) == NoiseLimits(ball=0.0, handle=THIN)
         assert drop_small_balls(poles, 0.0) == (poles, 0)
 
 
@@ -122,7 +123,7 @@ def test_a_thin_wall_is_no_noise():
     samples = np.stack([radius * np.cos(turn), radius * np.sin(turn), height], axis=1)
     poles = poles_of(samples)[1]
     assert np.median(poles.radii[poles.pairs].min(axis=1) / poles.room[poles.pair_samples]) < 1.5
-    assert noise_limits(poles) == NoiseLimits(ball=0.0, handle=0.0)
+    assert noise_limits(poles) == NoiseLimits(ball=0.0, handle=THIN)
 
 
 def test_a_little_noise_limits_handles_alone():
