@@ -105,9 +105,7 @@ def judge(scan, method):
     wrong = 100 * float(np.mean(labels.inside[scan.judged] != scan.truth))
     if not labels.inside.any():
         return Verdict(None, wrong, 100.0, 100.0)
-    found = reconstruction._surface(
-        scan.voronoi, scan.poles, scan.diagram, labels, recipe, stages
-    )
+    found = reconstruction._surface(scan.voronoi, scan.poles, scan.diagram, labels, recipe, stages)
     shape = topology(found.faces)
     rng = np.random.default_rng(0)
     points = on_triangles(found.points, found.faces, CHECKS, rng)
@@ -166,7 +164,9 @@ def print_summary(models: dict[str, Model], results) -> None:
                 np.mean([getattr(v, what) for v in column.values()]) for what in ("wrong", "mean")
             )
             largest = max(v.largest for v in column.values())
-            print(f"| {condition} | {method} | {right} | {wrong:.3f} | {mean:.3f} | {largest:.1f} |")
+            print(
+                f"| {condition} | {method} | {right} | {wrong:.3f} | {mean:.3f} | {largest:.1f} |"
+            )
 
 
 def main() -> None:

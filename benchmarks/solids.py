@@ -89,7 +89,11 @@ def mesh_model(path):
         return np.sum(votes, axis=0) >= 2
 
     manifold = shape.closed and shape.vertex_manifold
-    return Model(partial(on_triangles, points, faces), inside, (shape.components, shape.genus) if manifold else None)
+    return Model(
+        partial(on_triangles, points, faces),
+        inside,
+        (shape.components, shape.genus) if manifold else None,
+    )
 
 
 # -------------------------------------------------------------------------------- analytic models
