@@ -159,6 +159,7 @@ def surface_topology(
 def label_cells(
     sites: NDArray[np.float64],
     cells: NDArray[np.int32],
+    neighbours: NDArray[np.int32],
     samples: int,
     centres: NDArray[np.float64],
     radii: NDArray[np.float64],

@@ -10,20 +10,21 @@ namespace symrecon {
 void bind_surfaces(nb::module_& module) {
   module.def(
       "label_cells",
-      [](Rows<double> sites, Rows<std::int32_t> cells, std::int32_t samples,
-         Rows<double> centres, Row<double> radii, Rows<std::int32_t> on_balls,
-         Row<std::uint8_t> sides, Rows<std::int32_t> of_sample) {
+      [](Rows<double> sites, Rows<std::int32_t> cells, Rows<std::int32_t> neighbours,
+         std::int32_t samples, Rows<double> centres, Row<double> radii,
+         Rows<std::int32_t> on_balls, Row<std::uint8_t> sides, Rows<std::int32_t> of_sample) {
         std::vector<std::uint8_t> found;
         {
           nb::gil_scoped_release release;
-          found = label_cells(view_rows<Position>(sites), view_rows<Quad>(cells), samples,
+          found = label_cells(view_rows<Position>(sites), view_rows<Quad>(cells),
+                              view_rows<Quad>(neighbours), samples,
                               {view_rows<Position>(centres), view_row(radii), view_rows<Quad>(on_balls),
                                view_row(sides), view_rows<PolePair>(of_sample)});
         }
         return give(std::move(found));
       },
-      nb::arg("sites"), nb::arg("cells"), nb::arg("samples"), nb::arg("centres"),
-      nb::arg("radii"), nb::arg("on_balls"), nb::arg("sides"), nb::arg("of_sample"),
+      nb::arg("sites"), nb::arg("cells"), nb::arg("neighbours"), nb::arg("samples"),
+      nb::arg("centres"), nb::arg("radii"), nb::arg("on_balls"), nb::arg("sides"), nb::arg("of_sample"),
       "The side (0 outer, 1 inner) of each cell, from its pole or the polar balls of its samples.");
   module.def(
       "settle_sides",

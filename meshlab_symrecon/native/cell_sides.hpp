@@ -22,7 +22,7 @@ class CellSides {
             View<std::uint8_t> sides);
 
   // Remove all pinches: turn over single cells, or all cells of a piece round a sample, whichever
-  // removes most.  The sum of pinches falls with every step, so this ends.  Where no such step is
+  // removes most.  Where that would make as many, go on from there, for a while; where nothing else is
   // left, inner cells give way.
   void resolve_pinches();
 
@@ -45,6 +45,7 @@ class CellSides {
     Quad across;  // the neighbour opposite each site
   };
   using Chosen = std::vector<std::int32_t>;
+  enum class Moves { gains, detours, erosion };
 
   // Two corners of a cell across from cells of its own side, and two across from the other side.
   struct Halves {
@@ -78,8 +79,9 @@ class CellSides {
   template <class Visit>
   void flood(std::int32_t site, std::int32_t first, Visit&& visit);
   void collect_candidates(std::int32_t site);
-  void resolve(bool erode);
-  bool improve(std::int32_t site, bool erode);
+  void resolve(Moves moves);
+  bool improve(std::int32_t site, Moves moves);
+  bool tired(const Chosen& chosen) const;
   bool clear(std::int32_t site);
   void turn(const Chosen& chosen);
   void collect_touched(const Chosen& chosen);
@@ -108,6 +110,7 @@ class CellSides {
   std::vector<std::uint8_t> sides_;
   std::vector<std::int32_t> start_, around_;  // the cells round each sample
   std::vector<std::int32_t> pinches_;         // of each sample
+  std::vector<std::uint8_t> detours_;         // that each cell was turned over on
   std::vector<std::uint32_t> seen_;
   std::uint32_t stamp_ = 0;
   std::vector<std::int32_t> stack_, touched_;

@@ -13,7 +13,7 @@ namespace symrecon {
 // Which side of the surface a cell lies on.
 enum Side : std::uint8_t { outer_side = 0, inner_side = 1 };
 
-using PolePair = std::array<std::int32_t, 2>;  // of a sample, -1 for none
+using PolePair = std::array<std::int32_t, 2>;  // balls at a sample, -1 for none
 
 // Polar balls, and what they say about the cells round their samples.
 struct LabelledBalls {
@@ -26,10 +26,10 @@ struct LabelledBalls {
 
 // The side of every cell.  A cell with a site from `samples` on is outer.  A cell whose circumcentre
 // is a pole takes its side; any other that of the ball to which its circumcentre has the least
-// power, among the polar balls of its samples.  Poles come in the order of their cells; throws
+// power, among the balls of its samples, or of its neighbours when those have none.  Poles come in the order of their cells; throws
 // std::invalid_argument otherwise.
-std::vector<std::uint8_t> label_cells(View<Position> sites, View<Quad> cells, std::int32_t samples,
-                                      const LabelledBalls& balls);
+std::vector<std::uint8_t> label_cells(View<Position> sites, View<Quad> cells, View<Quad> neighbours,
+                                      std::int32_t samples, const LabelledBalls& balls);
 
 // Sides whose boundary is a manifold, changed for that as little as need be, without pieces of
 // fewer than `smallest` facets, and then as smooth as exchanges of triangles make it.  Cells with a

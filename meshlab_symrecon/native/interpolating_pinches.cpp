@@ -6,6 +6,11 @@
 #include "disjoint_sets.hpp"
 
 namespace symrecon {
+namespace {
+
+constexpr std::uint8_t kMostDetours = 4;  // of a cell; more seldom help
+
+}  // namespace
 
 CellSides::CellSides(View<Position> sites, View<Quad> cells, View<Quad> neighbours, std::int32_t samples,
                      View<std::uint8_t> sides)
@@ -16,6 +21,7 @@ CellSides::CellSides(View<Position> sites, View<Quad> cells, View<Quad> neighbou
       sides_(cells.size()),
       start_(samples + 1, 0),
       pinches_(samples, 0),
+      detours_(cells.size(), 0),
       seen_(cells.size(), 0) {
   std::vector<std::int32_t> number(cells.size());
   for (std::size_t place = 0; place < cells.size(); ++place)
@@ -113,20 +119,22 @@ std::int32_t CellSides::count_pinches(std::int32_t site) {
 
 void CellSides::resolve_pinches() {
   for (std::int32_t site = 0; site < samples_; ++site) pinches_[site] = count_pinches(site);
-  resolve(false);
-  resolve(true);
+  resolve(Moves::gains);
+  resolve(Moves::detours);
+  resolve(Moves::erosion);
 }
 
-// With `erode`, inner cells only are turned over, if need be more than remove pinches here: the
-// inside shrinks with every step, so that ends too, and nothing is left then.
-void CellSides::resolve(bool erode) {
+// Gains take away pinches with every step, so that ends.  Detours may make others for the one they
+// remove, but turn over no cell often.  Erosion turns over inner cells only, if need be more than
+// remove pinches here: the inside shrinks with every step, so that ends too, and nothing is left then.
+void CellSides::resolve(Moves moves) {
   std::deque<std::int32_t> waiting;
   for (std::int32_t site = 0; site < samples_; ++site)
     if (pinches_[site] > 0) waiting.push_back(site);
   while (!waiting.empty()) {
     const std::int32_t site = waiting.front();
     waiting.pop_front();
-    while (pinches_[site] > 0 && (improve(site, erode) || (erode && clear(site))))
+    while (pinches_[site] > 0 && (improve(site, moves) || (moves == Moves::erosion && clear(site))))
       for (const std::int32_t other : touched_)
         if (other != site && pinches_[other] > 0) waiting.push_back(other);
   }
@@ -162,31 +170,40 @@ void CellSides::collect_candidates(std::int32_t site) {
 
 // Turn over the cells at a pinched sample that remove most pinches; of equals, those that leave
 // the smaller boundary.  False when none removes any.
-bool CellSides::improve(std::int32_t site, bool erode) {
+bool CellSides::improve(std::int32_t site, Moves moves) {
   collect_candidates(site);
   const Chosen* best = nullptr;
   std::int32_t most = 0;
   double least = 0.0;
   for (const Chosen& chosen : candidates_) {
-    if (erode && sides_[chosen[0]] == outer_side) continue;
+    if (moves == Moves::erosion && sides_[chosen[0]] == outer_side) continue;
+    if (moves == Moves::detours && tired(chosen)) continue;
     collect_touched(chosen);
     turn(chosen);
     std::int32_t removed = 0;
     for (const std::int32_t sample : touched_) removed += pinches_[sample] - count_pinches(sample);
+    const bool helps = moves == Moves::detours ? count_pinches(site) < pinches_[site] : removed > 0;
     turn(chosen);
-    if (removed <= 0 || removed < most) continue;
+    if (!helps || (best != nullptr && removed < most)) continue;
     const double size = growth(chosen);
-    if (removed > most || size < least) {
+    if (best == nullptr || removed > most || size < least) {
       best = &chosen;
       most = removed;
       least = size;
     }
   }
   if (best == nullptr) return false;
+  if (moves == Moves::detours)
+    for (const std::int32_t cell : *best) ++detours_[cell];
   turn(*best);
   collect_touched(*best);
   for (const std::int32_t sample : touched_) pinches_[sample] = count_pinches(sample);
   return true;
+}
+
+// Has a cell been turned over on detours as often as it may be?
+bool CellSides::tired(const Chosen& chosen) const {
+  return std::any_of(chosen.begin(), chosen.end(), [&](auto cell) { return detours_[cell] >= kMostDetours; });
 }
 
 void CellSides::turn(const Chosen& chosen) {

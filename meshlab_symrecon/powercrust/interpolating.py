@@ -78,15 +78,17 @@ def interpolating_faces(
     the latest when nothing is inside.
     """
     samples = poles.sample_count
+    of_poles = _sides_of_poles(poles, diagram, inside)
     sides = _native.label_cells(
         poles.sites,
         voronoi.cells,
+        voronoi.neighbours,
         samples,
         poles.centres,
         poles.radii,
         poles.samples.astype(np.int32),
-        _sides_of_poles(poles, diagram, inside),
-        _poles_of_samples(poles),
+        of_poles,
+        _poles_of_samples(poles, of_poles),
     )
     smallest = int(2 * SMALLEST_PIECE * samples)  # a closed surface has two triangles a sample
     sides = _native.settle_sides(
@@ -121,8 +123,14 @@ def _sides_of_poles(poles: Poles, diagram: Triangulation, inside: Booleans) -> N
     return sides
 
 
-def _poles_of_samples(poles: Poles) -> NDArray[np.int32]:
-    """Return (n, 2) the poles of every sample, -1 where it has none."""
-    of_sample = np.full((poles.sample_count, 2), -1, dtype=np.int32)
+def _poles_of_samples(poles: Poles, sides: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """Return (n, 2) the poles of every sample, -1 where it has none.
+
+    A sample that lost a pole to noise has the largest ball through it on either side instead.
+    """
+    of_sample = np.full((len(poles.sites), 2), -1, dtype=np.int32)
+    if len(poles.pairs) < poles.sample_count:
+        rising = np.argsort(poles.radii, kind="stable")  # the last one assigned stays
+        of_sample[poles.samples[rising], sides[rising, None]] = rising[:, None]
     of_sample[poles.pair_samples] = poles.pairs
-    return of_sample
+    return of_sample[: poles.sample_count]

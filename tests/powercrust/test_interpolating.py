@@ -240,3 +240,19 @@ def test_poles_of_another_triangulation_are_refused():
     other = delaunay(enclose(shapes.statue(120, seed=3)))
     with pytest.raises(ValueError, match="without its cell"):
         interpolating_faces(other, poles, diagram, inside)
+
+
+@pytest.mark.parametrize("noise", [0.02, 0.04])
+def test_wrong_sides_in_noise_leave_the_body(noise):
+    """A tenth of the cells on the wrong side, pinched everywhere, is mended and not eaten up."""
+    rng = np.random.default_rng(21)
+    samples = shapes.torus(6000, seed=20) + noise * rng.normal(size=(6000, 3))
+    voronoi = delaunay(enclose(samples))
+    body = inner_cells(voronoi, surface_through(samples))
+    sides = body ^ random_sides(voronoi, 6000, 0.1, seed=2)
+    settled = _native.settle_sides(
+        voronoi.sites, voronoi.cells, voronoi.neighbours, 6000, sides, 60
+    )
+    faces = boundary(voronoi, settled)
+    assert topology(faces).vertex_manifold
+    assert enclosed_volume(voronoi.sites, faces) == pytest.approx(2 * np.pi**2 * 0.4**2, rel=0.1)
