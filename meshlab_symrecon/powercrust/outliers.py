@@ -22,7 +22,8 @@ REACH = 2.0  # spacings at both ends: how far samples of one surface are linked
 FAR = 2.5  # times the usual spacing: how far apart samples of a scattered piece are
 ALONE = 4.0  # times the usual spacing: a sample so far from others counts by itself
 ROUND = 1.8  # smaller polar ball / spacing: less in nearly all cells of points in a volume
-SCATTERED = 10  # samples; a smaller piece needs no round cells to be scattered
+ROUNDISH = 3.0  # the same for one near a surface; less in few cells of a surface
+SCATTERED = 10  # samples; a smaller piece needs no quite round cells to be scattered
 
 
 def outliers(delaunay: Triangulation, poles: Poles) -> Booleans:
@@ -60,7 +61,8 @@ def _scattered(piece: SmallIndices, room: Floats, length: Floats, usual: float) 
     middle = (np.cumsum(size) - size) + size // 2
     typical_room = room[np.lexsort((room, piece))][middle]
     typical_length = length[np.lexsort((length, piece))][middle]
-    scattered = (typical_room > FAR * usual) & ((size < SCATTERED) | (typical_length < ROUND))
+    few = (size < SCATTERED) & ((typical_length < ROUNDISH) | (typical_room > ALONE * usual))
+    scattered = (typical_room > FAR * usual) & (few | (typical_length < ROUND))
     scattered[np.argmax(size)] = False
     told: Booleans = scattered[piece]
     return told

@@ -27,6 +27,7 @@ FLATTEST = 1.0 - 1e-9  # cosine of poles straight across; keeps -log of it above
 MOST_PARTNERS = 24  # at a sample with more balls (about eight are usual) the largest meet the rest
 LONG = 2.0  # spacings: a sample with a pole farther than this lies on the surface for certain
 TYPICAL = 1.5  # times the median length, where noise makes most cells round
+NOISY = 3.0  # spacings: the median larger ball where noise is as wide as the spacing
 STEEPNESS = 4.0  # power with which certainty falls with nearer poles
 
 
@@ -137,9 +138,13 @@ def _trust(poles: Poles) -> Floats:
 
     A sample of a surface has at least one pole much farther away than the next samples, even in a
     thin wall; an outlier's cell is round, and says nothing.  Where noise makes most cells round,
-    only those rounder than usual are doubted.
+    both poles are asked for, and only cells rounder than usual are doubted.
     """
-    length = poles.radii[poles.pairs].max(axis=1, initial=0.0) / poles.room[poles.pair_samples]
+    room = poles.room[poles.pair_samples]
+    balls = poles.radii[poles.pairs]
+    length = balls.max(axis=1, initial=0.0) / room
+    if len(length) and np.median(length) < NOISY:
+        length = balls.min(axis=1) / room
     certain = min(LONG, TYPICAL * float(np.median(length)))
     trust: Floats = np.minimum(1.0, length / certain) ** STEEPNESS
     return trust

@@ -157,16 +157,21 @@ def test_a_wide_hole_does_not_swallow_the_body(kept, volume):
     assert enclosed_volume(crust.points, crust.faces) == pytest.approx(volume, rel=0.1)
 
 
-@pytest.mark.parametrize("seed", [0, 2, 3])
-def test_a_third_of_a_body_may_be_missing(seed):
-    whole = shapes.statue(4000, seed=seed, missing=0.0)
-    towards = np.array([1.0, 0.35, 0.2])
-    limit = np.quantile(whole @ towards, 0.65)
-    crust = reconstruct(whole[whole @ towards < limit])
-    assert_solid(crust)
-    share = enclosed_volume(crust.points, crust.faces)
-    share /= enclosed_volume(*(lambda c: (c.points, c.faces))(reconstruct(whole)))
-    assert 0.5 < share < 0.8
+def test_a_third_of_a_body_may_be_missing():
+    """Whether the wide cap has a handle near its rim is a toss-up for one body in four."""
+    genera = []
+    for seed in range(6):
+        whole = shapes.statue(4000, seed=seed, missing=0.0)
+        towards = np.array([1.0, 0.35, 0.2])
+        limit = np.quantile(whole @ towards, 0.65)
+        crust = reconstruct(whole[whole @ towards < limit])
+        genera.append(crust.topology.genus)
+        assert_solid(crust, genus=genera[-1])
+        share = enclosed_volume(crust.points, crust.faces)
+        share /= enclosed_volume(*(lambda c: (c.points, c.faces))(reconstruct(whole)))
+        assert 0.5 < share < 0.8
+    assert genera.count(0) >= 4
+    assert max(genera) <= 1
 
 
 def test_the_medial_axis_of_a_sphere_is_its_centre():
