@@ -21,7 +21,7 @@ __all__ = ["NoiseLimits", "drop_small_balls", "noise_limits", "relative_sizes"]
 ROUND = 3.0  # spacings: the larger ball of a sample of a surface is larger
 SOME_NOISE = 0.15  # share of samples with two small balls; finely detailed clean clouds reach 0.11
 UNEVEN = 1.5  # times the usual spacing of the samples on a ball: more says nothing of the ball
-THIN = 0.85  # a handle of clean samples needs a ball of this size
+THIN, THICK = 0.85, 1.5  # a handle needs a ball of this size: of clean samples, of noisy ones
 MUCH_NOISE = 0.5  # the same where the noise is as wide as the spacing
 
 
@@ -61,8 +61,8 @@ def noise_limits(poles: Poles) -> NoiseLimits:
     larger = poles.radii[poles.pairs].max(axis=1, initial=0.0)
     noisy = np.count_nonzero(larger < ROUND * poles.room[poles.pair_samples])
     if noisy > MUCH_NOISE * len(larger):
-        return NoiseLimits(ball=1.0, handle=1.5)
-    return NoiseLimits(ball=0.0, handle=1.0 if noisy > SOME_NOISE * len(larger) else THIN)
+        return NoiseLimits(ball=1.0, handle=THICK)
+    return NoiseLimits(ball=0.0, handle=THICK if noisy > SOME_NOISE * len(larger) else THIN)
 
 
 def drop_small_balls(poles: Poles, smallest: float) -> tuple[Poles, int]:
