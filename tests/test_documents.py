@@ -55,7 +55,7 @@ def test_the_python_of_the_readme_runs(tmp_path):
 
 
 def test_the_kernel_of_the_readme_runs():
-    code = re.search(r"```python\n(from meshlab_symrecon.symmetry.*?)```", README, re.DOTALL)
+    code = re.search(r"```python\n(from meshlab_symrecon.powercrust.*?)```", README, re.DOTALL)
     assert code is not None
     mesh_set = pymeshlab.MeshSet()
     mesh_set.load_new_mesh(str(ROOT / "examples/data/nefertiti_small.ply"))
