@@ -17,7 +17,7 @@ std::int32_t next_corner(std::int32_t corner) { return corner % 3 == 2 ? corner 
 
 }  // namespace
 
-SurfaceTopology surface_topology(const std::vector<Triangle>& faces, std::int32_t vertex_count) {
+SurfaceTopology surface_topology(View<Triangle> faces, std::int32_t vertex_count) {
   const std::int32_t side_count = static_cast<std::int32_t>(3 * faces.size());
   const auto vertex = [&](std::int32_t corner) { return faces[corner / 3][corner % 3]; };
 
