@@ -32,8 +32,7 @@ nb::tuple vertices_of(Places centres, Row<double> radii, Cells samples, Places s
   const PolarBalls balls{view(centres), view(radii), view(samples), view(sites), sample_count};
   PowerVertices vertices =
       without_gil([&] { return power_vertices(balls, view(cells), view(chosen), reach, report); });
-  return nb::make_tuple(give_rows<double>(std::move(vertices.positions)), give(std::move(vertices.nearest)),
-                        vertices.replaced);
+  return nb::make_tuple(give_rows<double>(std::move(vertices.positions)), give(std::move(vertices.nearest)));
 }
 
 nb::tuple joined_of(Places positions, Numbers nearest, Numbers offsets, Numbers corners, Places samples,
@@ -79,7 +78,7 @@ void bind_crust(nb::module_& module) {
   module.def("power_vertices", &vertices_of, nb::arg("centres"), nb::arg("radii"), nb::arg("samples"),
              nb::arg("sites"), nb::arg("sample_count"), nb::arg("cells"), nb::arg("chosen"), nb::arg("reach"),
              nb::arg("progress") = nb::none(),
-             "Positions, nearest samples of the power vertices of chosen cells; how many were replaced.");
+             "Positions, nearest samples of the power vertices of chosen cells.");
   module.def("join_at_samples", &joined_of, nb::arg("positions"), nb::arg("nearest"), nb::arg("offsets"),
              nb::arg("corners"), nb::arg("samples"), nb::arg("progress") = nb::none(),
              "Triangulate polygons and join what lies at a sample: points, faces, nearest samples.");

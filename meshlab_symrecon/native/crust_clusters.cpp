@@ -70,7 +70,7 @@ class Clusters {
   LargeVector<std::int32_t> base_;   // of each polygon: the place of the corner its fan starts from
   std::int32_t sets_ = 0;
   // of the set at hand
-  DisjointSets sets_;  // of the members at hand
+  DisjointSets connected_;
   std::vector<std::int32_t> parts_;
   std::vector<Link> links_;
   std::int64_t inner_sides_ = 0, inner_faces_ = 0;
@@ -104,20 +104,20 @@ inline void Clusters::meet(const Triangle& face) {
     if (link.start != link.end) links_.push_back(link);
   } else if (within == 2) {
     ++inner_sides_;
-    if (local[0] < 0) sets_.join(local[1], local[2]);
-    else sets_.join(local[0], local[1] >= 0 ? local[1] : local[2]);
+    if (local[0] < 0) connected_.join(local[1], local[2]);
+    else connected_.join(local[0], local[1] >= 0 ? local[1] : local[2]);
   } else if (within == 3) {
     inner_sides_ += 3;
     ++inner_faces_;
-    sets_.join(local[0], local[1]);
-    sets_.join(local[0], local[2]);
+    connected_.join(local[0], local[1]);
+    connected_.join(local[0], local[2]);
   }
 }
 
 // Count the triangles and edges inside a set, list the edges opposite to it, and find its connected parts.
 void Clusters::gather(const std::vector<std::int32_t>& members) {
   for (std::size_t i = 0; i < members.size(); ++i) local_[members[i]] = static_cast<std::int32_t>(i);
-  sets_.reset(members.size());
+  connected_.reset(members.size());
   links_.clear();
   inner_sides_ = inner_faces_ = 0;
   for (const std::int32_t vertex : members)
@@ -136,7 +136,7 @@ void Clusters::gather(const std::vector<std::int32_t>& members) {
   for (const std::int32_t vertex : members) local_[vertex] = -1;
   parts_.clear();
   for (std::size_t i = 0; i < members.size(); ++i)
-    if (const auto member = static_cast<std::int32_t>(i); sets_.find(member) == member) parts_.push_back(member);
+    if (const auto member = static_cast<std::int32_t>(i); connected_.find(member) == member) parts_.push_back(member);
 }
 
 // The vertices at one sample, each connected part for itself.
@@ -146,7 +146,7 @@ void Clusters::join_set(const std::vector<std::int32_t>& members) {
   if (parts_.size() == 1) return shrink(members);
   std::vector<std::vector<std::int32_t>> sets(parts_.size());
   for (std::size_t i = 0; i < members.size(); ++i) {
-    const std::int32_t part = sets_.find(static_cast<std::int32_t>(i));
+    const std::int32_t part = connected_.find(static_cast<std::int32_t>(i));
     sets[std::lower_bound(parts_.begin(), parts_.end(), part) - parts_.begin()].push_back(members[i]);
   }
   for (const std::vector<std::int32_t>& set : sets) {
