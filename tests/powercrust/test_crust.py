@@ -16,7 +16,7 @@ from meshlab_symrecon.geometry.surfaces import (
     surface_area,
     topology,
 )
-from meshlab_symrecon.geometry.triangulation import delaunay, regular_triangulation
+from meshlab_symrecon.geometry.triangulation import FACETS, delaunay, regular_triangulation
 from meshlab_symrecon.powercrust.crust import FLAT, REACH, WELD, Crust, crust_faces
 from meshlab_symrecon.powercrust.labelling import label_poles
 from meshlab_symrecon.powercrust.poles import enclose, find_poles
@@ -255,6 +255,23 @@ def test_cells_that_are_no_neighbours_are_refused():
         _native.mixed_edge_polygons(
             diagram.cells, wrong.astype(np.int32), true_labels("sphere").astype(np.uint8)
         )
+
+
+def test_a_polygon_that_ends_before_it_closes_is_refused():
+    cells = delaunay(np.random.default_rng(0).random((12, 3)))
+    cell, corner = np.nonzero(cells.neighbours < 0)
+    inside = np.ones(12, dtype=np.uint8)
+    inside[cells.cells[cell[:, None], FACETS[corner]]] = 0
+    assert inside.any()
+    messages = set()
+    for cell, place, other in itertools.product(range(len(cells.cells)), range(4), range(4)):
+        wrong = cells.cells.copy()
+        wrong[cell, place] = wrong[cell, other]  # a site twice in one cell
+        try:
+            _native.mixed_edge_polygons(wrong, cells.neighbours, inside)
+        except ValueError as error:
+            messages.add(str(error))
+    assert "cells of the triangulation do not close round an edge" in messages
 
 
 def test_polygons_of_no_surface_are_refused():
