@@ -21,16 +21,15 @@ from scipy.spatial import cKDTree
 from solids import Model, analytic_models, mesh_model, on_triangles
 
 from meshlab_symrecon.geometry.surfaces import topology
-from meshlab_symrecon.geometry.triangulation import Triangulation
-from meshlab_symrecon.powercrust import reconstruction
+from meshlab_symrecon.geometry.triangulation import Triangulation, regular_triangulation
 from meshlab_symrecon.powercrust.crust import crust_faces
-from meshlab_symrecon.powercrust.labelling import METHODS
-from meshlab_symrecon.powercrust.near_poles import join_near_poles
+from meshlab_symrecon.powercrust.labelling import METHODS, label_poles
 from meshlab_symrecon.powercrust.normal_cloud import normalised
 from meshlab_symrecon.powercrust.poles import Poles
-from meshlab_symrecon.powercrust.reconstruction import Recipe
-from meshlab_symrecon.powercrust.small_balls import NoiseLimits, drop_small_balls
+from meshlab_symrecon.powercrust.recipe import Recipe
+from meshlab_symrecon.powercrust.small_balls import NoiseLimits
 from meshlab_symrecon.powercrust.stages import Stages
+from meshlab_symrecon.powercrust.usable_poles import usable_poles
 
 SMALLEST_BALL = 0.01  # diagonals
 HOLE_RADIUS = 0.04  # diagonals
@@ -82,13 +81,10 @@ def spoilt(samples, condition, rng):
 
 def scanned(model, samples, surface, condition, seed):
     """The model as the labelling sees it, in the units of the reconstruction."""
-    recipe = Recipe()
-    stages = Stages(None)
     cloud = normalised(spoilt(samples, condition, np.random.default_rng(seed)))
-    _, poles, _ = reconstruction._surface_poles(cloud.samples, recipe, stages)
-    limits = reconstruction._limits(poles, recipe)
-    poles = join_near_poles(drop_small_balls(poles, limits.ball)[0])
-    diagram = reconstruction._power_diagram(poles, stages)
+    usable = usable_poles(cloud.samples, Recipe(), Stages())
+    poles = usable.poles
+    diagram = regular_triangulation(poles.centres, poles.radii**2)
     low, high = samples.min(axis=0), samples.max(axis=0)
     diagonal = float(np.linalg.norm(high - low))
     centres = cloud.to_input(poles.centres)
@@ -97,12 +93,13 @@ def scanned(model, samples, surface, condition, seed):
     truth = model.inside(centres[judged])
     points = (surface - cloud.to_input(np.zeros((1, 3)))) * cloud.scale
     tree = cKDTree(points)
-    return Scan(poles, limits, diagram, judged, truth, tree, diagonal * cloud.scale)
+    return Scan(poles, usable.limits, diagram, judged, truth, tree, diagonal * cloud.scale)
 
 
 def judge(scan, method):
-    recipe, stages = Recipe(labelling=method), Stages(None)
-    labels = reconstruction._labels(scan.poles, scan.diagram, recipe, scan.limits, stages)
+    labels = label_poles(
+        scan.poles, scan.diagram, method=method, smallest_handle=scan.limits.handle
+    )
     wrong = 100 * float(np.mean(labels.inside[scan.judged] != scan.truth))
     if not labels.inside.any():
         return Verdict(None, wrong, 100.0, 100.0)

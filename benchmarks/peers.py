@@ -96,19 +96,12 @@ def cgal_insertions(samples: np.ndarray) -> Prepared:
         Regular_triangulation_3,
     )
 
-    from meshlab_symrecon.geometry.triangulation import delaunay
-    from meshlab_symrecon.powercrust.near_poles import join_near_poles
-    from meshlab_symrecon.powercrust.poles import enclose, find_poles
-    from meshlab_symrecon.powercrust.small_balls import (
-        drop_small_balls,
-        noise_limits,
-    )
+    from meshlab_symrecon.powercrust.recipe import Recipe
+    from meshlab_symrecon.powercrust.stages import Stages
+    from meshlab_symrecon.powercrust.usable_poles import usable_poles
 
-    sites = enclose(samples)
-    poles = find_poles(delaunay(sites), len(samples))
-    poles, _ = drop_small_balls(poles, noise_limits(poles).ball)
-    poles = join_near_poles(poles)
-    points = [Point_3(*site) for site in sites.tolist()]
+    poles = usable_poles(samples, Recipe(keep_outliers=True), Stages()).poles
+    points = [Point_3(*site) for site in poles.sites.tolist()]
     balls = [
         Weighted_point_3(Point_3(*centre), weight)
         for centre, weight in zip(poles.centres.tolist(), (poles.radii**2).tolist(), strict=True)

@@ -17,13 +17,9 @@ from meshlab_symrecon.plugin import (
     spacing_multiple,
 )
 from meshlab_symrecon.powercrust.attributes import carry_over
-from meshlab_symrecon.powercrust.reconstruction import (
-    METHODS,
-    SURFACES,
-    PowerCrust,
-    Recipe,
-    reconstruct,
-)
+from meshlab_symrecon.powercrust.labelling import METHODS
+from meshlab_symrecon.powercrust.recipe import SURFACES, Recipe
+from meshlab_symrecon.powercrust.reconstruction import PowerCrust, reconstruct
 
 LABEL = "power crust"
 AXIS_LABEL = "medial axis"

@@ -13,6 +13,17 @@ def regular_triangulation(
 def orthocentres(
     points: NDArray[np.float64], weights: NDArray[np.float64], cells: NDArray[np.int32]
 ) -> NDArray[np.float64]: ...
+def find_poles(
+    points: NDArray[np.float64], cells: NDArray[np.int32], samples: int
+) -> tuple[
+    NDArray[np.int32],
+    NDArray[np.float64],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.float64],
+    NDArray[np.float64],
+]: ...
+def curve_order(points: NDArray[np.float64]) -> NDArray[np.int32]: ...
 def orientation(points: NDArray[np.float64], stage: int = 0) -> int: ...
 def power_test(
     points: NDArray[np.float64], weights: NDArray[np.float64], stage: int = 0
@@ -37,7 +48,7 @@ def power_vertices(
     chosen: NDArray[np.int32],
     reach: float,
     progress: Callable[[float], object] | None = None,
-) -> tuple[NDArray[np.float64], NDArray[np.int32], int]: ...
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
 def join_at_samples(
     positions: NDArray[np.float64],
     nearest: NDArray[np.int32],
@@ -56,6 +67,29 @@ def contract_edges(
     flat: float,
     progress: Callable[[float], object] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
+def nearest_kept(
+    points: NDArray[np.float64],
+    reach: NDArray[np.float64],
+    order: NDArray[np.int32],
+    widest: float,
+) -> NDArray[np.int32]: ...
+def far_faces(
+    points: NDArray[np.float64],
+    faces: NDArray[np.int32],
+    nearest: NDArray[np.int32],
+    samples: NDArray[np.float64],
+    spacing: NDArray[np.float64],
+    multiple: float,
+) -> NDArray[np.int32]: ...
+def surface_topology(
+    faces: NDArray[np.int32], vertex_count: int
+) -> tuple[int, int, int, int, int, int, int, NDArray[np.int32]]: ...
+def grow_without_loops(
+    cells: NDArray[np.int32],
+    wanted: NDArray[np.uint8],
+    certain: NDArray[np.uint8],
+    size: NDArray[np.float64],
+) -> NDArray[np.uint8]: ...
 def linked_pieces(
     sites: NDArray[np.float64],
     cells: NDArray[np.int32],
@@ -63,12 +97,6 @@ def linked_pieces(
     loose: NDArray[np.uint8],
     reach: float,
 ) -> NDArray[np.int32]: ...
-def grow_without_loops(
-    cells: NDArray[np.int32],
-    wanted: NDArray[np.uint8],
-    certain: NDArray[np.uint8],
-    size: NDArray[np.float64],
-) -> NDArray[np.uint8]: ...
 def pole_graph(
     centres: NDArray[np.float64],
     radii: NDArray[np.float64],
@@ -121,17 +149,6 @@ class MinimumCut:
         self, ties: NDArray[np.int32], progress: Callable[[float], object] | None = None
     ) -> NDArray[np.uint8]: ...
 
-def find_poles(
-    points: NDArray[np.float64], cells: NDArray[np.int32], samples: int
-) -> tuple[
-    NDArray[np.int32],
-    NDArray[np.float64],
-    NDArray[np.int32],
-    NDArray[np.int32],
-    NDArray[np.float64],
-    NDArray[np.float64],
-]: ...
-def curve_order(points: NDArray[np.float64]) -> NDArray[np.int32]: ...
 def turn_small_pieces(
     cells: NDArray[np.int32],
     labels: NDArray[np.uint8],
@@ -139,23 +156,6 @@ def turn_small_pieces(
     samples: NDArray[np.int32],
     smallest: float,
 ) -> NDArray[np.uint8]: ...
-def nearest_kept(
-    points: NDArray[np.float64],
-    reach: NDArray[np.float64],
-    order: NDArray[np.int32],
-    widest: float,
-) -> NDArray[np.int32]: ...
-def far_faces(
-    points: NDArray[np.float64],
-    faces: NDArray[np.int32],
-    nearest: NDArray[np.int32],
-    samples: NDArray[np.float64],
-    spacing: NDArray[np.float64],
-    multiple: float,
-) -> NDArray[np.int32]: ...
-def surface_topology(
-    faces: NDArray[np.int32], vertex_count: int
-) -> tuple[int, int, int, int, int, int, int, NDArray[np.int32]]: ...
 def label_cells(
     sites: NDArray[np.float64],
     cells: NDArray[np.int32],

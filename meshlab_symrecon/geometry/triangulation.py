@@ -12,8 +12,17 @@ from numpy.typing import ArrayLike, NDArray
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points, as_points, as_scalars
 from meshlab_symrecon.errors import GeometryError
+from meshlab_symrecon.geometry.bounds import SPACE
 
-__all__ = ["SmallIndices", "Triangulation", "circumcentres", "delaunay", "regular_triangulation"]
+__all__ = [
+    "FACETS",
+    "Progress",
+    "SmallIndices",
+    "Triangulation",
+    "circumcentres",
+    "delaunay",
+    "regular_triangulation",
+]
 
 # Cells of two million sites fit 32-bit indices at half the memory of 64-bit ones.
 SmallIndices: TypeAlias = NDArray[np.int32]
@@ -21,7 +30,7 @@ Progress: TypeAlias = Callable[[float], object]
 
 # At about 8 cells a site, more sites would need more cells than 32-bit indices can number.
 MAXIMUM_SITES = 2**28 - 1
-SPACE = 3  # dimensions
+FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # outward, opposite each corner
 
 
 @dataclass(frozen=True, slots=True, eq=False)

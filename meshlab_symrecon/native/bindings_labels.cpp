@@ -1,75 +1,25 @@
-// numpy borders of the labelling: the arrays are looked at in place, and results are handed over.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-
-#include <initializer_list>
-#include <stdexcept>
-#include <utility>
-
+// numpy borders of the labelling.
 #include "bindings.hpp"
 #include "evidence_paths.hpp"
 #include "minimum_cut.hpp"
+#include "numpy_borders.hpp"
 #include "pole_graph.hpp"
 #include "pole_pieces.hpp"
 #include "propagation.hpp"
 
-namespace nb = nanobind;
-
 namespace symrecon {
 namespace {
 
-template <typename T>
-using Row = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-template <typename T, Py_ssize_t Width>
-using Rows = nb::ndarray<const T, nb::shape<-1, Width>, nb::c_contig, nb::device::cpu>;
 using Offsets = Row<std::int64_t>;
 using Numbers = Row<std::int32_t>;
-
-template <typename T>
-View<T> view(const Row<T>& array) {
-  return {array.data(), array.shape(0)};
-}
-
-template <typename T, Py_ssize_t Width>
-View<std::array<T, Width>> view(const Rows<T, Width>& array) {
-  return {reinterpret_cast<const std::array<T, Width>*>(array.data()), array.shape(0)};
-}
-
-// Hand a vector over to numpy without copying it.
-template <typename T, typename Item>
-nb::ndarray<nb::numpy, T> give(std::vector<Item>&& values, std::initializer_list<std::size_t> shape) {
-  auto* owner = new std::vector<Item>(std::move(values));
-  nb::capsule release(owner, [](void* p) noexcept { delete static_cast<std::vector<Item>*>(p); });
-  return nb::ndarray<nb::numpy, T>(owner->data(), shape, release);
-}
-
-template <typename T>
-nb::ndarray<nb::numpy, T> give(std::vector<T>&& values) {
-  const std::size_t size = values.size();
-  return give<T, T>(std::move(values), {size});
-}
-
-// Lets Ctrl-C through, and tells a Python callable, if there is one, the share done.
-Progress reporter(const nb::object& progress) {
-  return [&progress](double fraction) {
-    nb::gil_scoped_acquire hold;
-    if (PyErr_CheckSignals() != 0) throw nb::python_error();
-    if (!progress.is_none()) progress(fraction);
-  };
-}
-
-template <typename Work>
-auto without_gil(Work&& work) {
-  nb::gil_scoped_release release;
-  return work();
-}
 
 nb::tuple graph_of(Rows<double, 3> centres, Row<double> radii, Rows<std::int32_t, 4> samples,
                    Row<std::uint8_t> used, std::int32_t sample_count, Rows<std::int32_t, 4> cells,
                    Rows<std::int32_t, 4> neighbours, std::int32_t most_partners, const nb::object& progress) {
   const UsedBalls balls{view(centres), view(radii), view(samples), view(used), sample_count};
   const Progress report = reporter(progress);
-  PoleGraph graph = without_gil([&] { return pole_graph(balls, view(cells), view(neighbours), most_partners, report); });
+  PoleGraph graph =
+      without_gil([&] { return pole_graph(balls, view(cells), view(neighbours), most_partners, report); });
   return nb::make_tuple(give(std::move(graph.offsets)), give(std::move(graph.ends)),
                         give(std::move(graph.cosines)));
 }
@@ -120,7 +70,8 @@ class BoundCut {
 
 void bind_labels(nb::module_& module) {
   module.def("pole_graph", &graph_of, nb::arg("centres"), nb::arg("radii"), nb::arg("samples"), nb::arg("used"),
-             nb::arg("sample_count"), nb::arg("cells"), nb::arg("neighbours"), nb::arg("most_partners"), nb::arg("progress") = nb::none(),
+             nb::arg("sample_count"), nb::arg("cells"), nb::arg("neighbours"), nb::arg("most_partners"),
+             nb::arg("progress") = nb::none(),
              "Balls that intersect at less than a right angle: offsets, ends, cosines.");
   module.def(
       "flatness_of_pairs",
@@ -142,12 +93,6 @@ void bind_labels(nb::module_& module) {
            nb::arg("capacities"))
       .def("inner_side", &BoundCut::inner_side, nb::arg("ties"), nb::arg("progress") = nb::none(),
            "The nodes on the inner side of the minimum cut that leaves the most there.");
-  module.def(
-      "label_pieces",
-      [](Rows<std::int32_t, 4> cells, Row<std::uint8_t> labels) {
-        return give(without_gil([&] { return label_pieces(view(cells), view(labels)); }));
-      },
-      nb::arg("cells"), nb::arg("labels"), "The piece of each site, connected by edges between sites of equal label.");
   module.def(
       "turn_small_pieces",
       [](Rows<std::int32_t, 4> cells, Row<std::uint8_t> labels, Row<std::uint8_t> fixed, Numbers samples,

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "memory_pages.hpp"
+#include "prefetch.hpp"
 #include "progress.hpp"
 
 namespace symrecon {
@@ -76,13 +77,7 @@ class CellComplex {
   std::int32_t size() const { return std::int32_t(cells_.size()); }
 
   // A hint that the cell will be read soon; worth a tenth of the time.
-  void announce(std::int32_t index) const {
-#if defined(__GNUC__) || defined(__clang__)
-    __builtin_prefetch(&cells_[index]);
-#else
-    (void)index;
-#endif
-  }
+  void announce(std::int32_t index) const { prefetch(&cells_[index]); }
 
   // The cells that have a number, in the order of the numbers; -1 leaves a cell out.
   std::vector<Four> numbered_vertices(const std::vector<std::int32_t>& number, std::size_t count) const {

@@ -38,12 +38,11 @@ struct PolarBalls {
 struct PowerVertices {
   std::vector<Position> positions;
   std::vector<std::int32_t> nearest;  // of the samples on the polar balls that meet at the vertex
-  std::int64_t replaced = 0;          // vertices too far off, put at the mean of those samples
 };
 
 // The points where the four balls of each chosen cell have equal power.  Where all four pass through
 // one sample, that is the point, to the last bit.  A point farther than `reach` radii from the centre
-// of every ball comes from a nearly flat cell.
+// of every ball comes from a nearly flat cell, and is put at the mean of the samples on the balls.
 PowerVertices power_vertices(const PolarBalls& balls, View<Quad> cells, View<std::int32_t> chosen,
                              double reach, const Progress& progress);
 

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "crust.hpp"
+#include "disjoint_sets.hpp"
 #include "memory_pages.hpp"
 #include "vectors.hpp"
 
@@ -47,17 +48,6 @@ class Clusters {
     std::int32_t start, end;
   };
 
-  std::int32_t find(std::int32_t member) {
-    while (parent_[member] != member) member = parent_[member] = parent_[parent_[member]];
-    return member;
-  }
-
-  void unite(std::int32_t a, std::int32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
   // The corner after that at a place, round the polygon.
   std::int32_t after(std::int32_t polygon, std::int32_t place) const {
     return place + 1 == offsets_[polygon + 1] ? offsets_[polygon] : place + 1;
@@ -80,7 +70,8 @@ class Clusters {
   LargeVector<std::int32_t> base_;   // of each polygon: the place of the corner its fan starts from
   std::int32_t sets_ = 0;
   // of the set at hand
-  std::vector<std::int32_t> parent_, parts_;
+  DisjointSets connected_;
+  std::vector<std::int32_t> parts_;
   std::vector<Link> links_;
   std::int64_t inner_sides_ = 0, inner_faces_ = 0;
 };
@@ -113,21 +104,20 @@ inline void Clusters::meet(const Triangle& face) {
     if (link.start != link.end) links_.push_back(link);
   } else if (within == 2) {
     ++inner_sides_;
-    if (local[0] < 0) unite(local[1], local[2]);
-    else unite(local[0], local[1] >= 0 ? local[1] : local[2]);
+    if (local[0] < 0) connected_.join(local[1], local[2]);
+    else connected_.join(local[0], local[1] >= 0 ? local[1] : local[2]);
   } else if (within == 3) {
     inner_sides_ += 3;
     ++inner_faces_;
-    unite(local[0], local[1]);
-    unite(local[0], local[2]);
+    connected_.join(local[0], local[1]);
+    connected_.join(local[0], local[2]);
   }
 }
 
 // Count the triangles and edges inside a set, list the edges opposite to it, and find its connected parts.
 void Clusters::gather(const std::vector<std::int32_t>& members) {
   for (std::size_t i = 0; i < members.size(); ++i) local_[members[i]] = static_cast<std::int32_t>(i);
-  parent_.resize(members.size());
-  std::iota(parent_.begin(), parent_.end(), 0);
+  connected_.reset(members.size());
   links_.clear();
   inner_sides_ = inner_faces_ = 0;
   for (const std::int32_t vertex : members)
@@ -146,7 +136,7 @@ void Clusters::gather(const std::vector<std::int32_t>& members) {
   for (const std::int32_t vertex : members) local_[vertex] = -1;
   parts_.clear();
   for (std::size_t i = 0; i < members.size(); ++i)
-    if (find(static_cast<std::int32_t>(i)) == static_cast<std::int32_t>(i)) parts_.push_back(static_cast<std::int32_t>(i));
+    if (const auto member = static_cast<std::int32_t>(i); connected_.find(member) == member) parts_.push_back(member);
 }
 
 // The vertices at one sample, each connected part for itself.
@@ -156,7 +146,7 @@ void Clusters::join_set(const std::vector<std::int32_t>& members) {
   if (parts_.size() == 1) return shrink(members);
   std::vector<std::vector<std::int32_t>> sets(parts_.size());
   for (std::size_t i = 0; i < members.size(); ++i) {
-    const std::int32_t part = find(static_cast<std::int32_t>(i));
+    const std::int32_t part = connected_.find(static_cast<std::int32_t>(i));
     sets[std::lower_bound(parts_.begin(), parts_.end(), part) - parts_.begin()].push_back(members[i]);
   }
   for (const std::vector<std::int32_t>& set : sets) {

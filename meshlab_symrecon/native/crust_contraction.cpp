@@ -1,12 +1,10 @@
+#include "contraction.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
-#include "crust.hpp"
-#include "half_edges.hpp"
-#include "memory_pages.hpp"
-#include "position_table.hpp"
 #include "vectors.hpp"
 
 namespace symrecon {
@@ -16,61 +14,32 @@ constexpr std::int32_t kVerticesPerReport = 1 << 14;
 constexpr double kSteepest = 0.2;    // cosine: a face may turn by 78 degrees at the most
 constexpr double kReach = 2.0;       // spacings: longer edges are not contracted
 constexpr int kTries = 2;            // edges tried at a vertex, the shortest first
-constexpr double kStepAside = 0.01;  // of the way to the mean of the neighbours
-constexpr double kNoStep = 1e-4;     // of the way to the farthest neighbour: no step at all
-constexpr int kSteps = 16;           // aside, at the most
 constexpr int kRounds = 2;           // of asking neighbours for their nearest samples
 constexpr float kDone = std::numeric_limits<float>::infinity();
 constexpr double kTurned = std::numeric_limits<double>::infinity();
 
-class Contraction {
- public:
-  Contraction(View<Position> points, View<Triangle> faces, View<std::int32_t> nearest, const Samples& samples,
-              const Leanness& leanness)
-      : points_(points.begin(), points.end()),
-        nearest_(nearest),
-        samples_(samples),
-        leanness_(leanness),
-        halves_(faces, points.size()),
-        stamps_(points.size(), 0),
-        moved_(points.size(), 0.0f) {}
-
-  void join_coincident();
-  void thin_out(const Progress& progress);
-  void part_coincident();
-  SampledSurface surface() const;
-
- private:
-  struct Spoke {
-    double squared;  // length
-    Position tip;
-    std::int32_t half, vertex;
+// Let vertices try the samples of their neighbours.
+void settle_nearest(SampledSurface& surface, const Samples& samples) {
+  std::vector<double> squared(surface.points.size());
+  const auto gap = [&](std::int32_t vertex, std::int32_t sample) {
+    const Position side = minus(surface.points[vertex], samples.positions[sample]);
+    return dot(side, side);
   };
+  for (std::size_t vertex = 0; vertex < squared.size(); ++vertex)
+    squared[vertex] = gap(static_cast<std::int32_t>(vertex), surface.nearest[vertex]);
+  for (int round = 0; round < kRounds; ++round)
+    for (const Triangle& face : surface.faces)
+      for (int k = 0; k < 3; ++k) {
+        const std::int32_t vertex = face[k], sample = surface.nearest[face[(k + 1) % 3]];
+        if (squared[vertex] == 0.0 || sample == surface.nearest[vertex]) continue;
+        const double other = gap(vertex, sample);
+        if (other > squared[vertex] || (other == squared[vertex] && sample > surface.nearest[vertex])) continue;
+        squared[vertex] = other;
+        surface.nearest[vertex] = sample;
+      }
+}
 
-  std::int32_t count() const { return static_cast<std::int32_t>(points_.size()); }
-  bool is_at_sample(std::int32_t vertex) const {
-    return points_[vertex] == samples_.positions[nearest_[vertex]];
-  }
-
-  void walk(std::int32_t hub);
-  bool link_condition(std::int32_t kept) const;
-  double shift(std::int32_t hub, const Spoke& kept) const;
-  std::int32_t earlier(std::int32_t hub) const;
-  bool remove(std::int32_t hub);
-  bool join_at(std::int32_t hub);
-  void step_aside(std::int32_t vertex);
-
-  LargeVector<Position> points_;
-  View<std::int32_t> nearest_;
-  Samples samples_;
-  Leanness leanness_;
-  HalfEdges halves_;
-  LargeVector<std::int32_t> stamps_;  // the last walk that met a vertex
-  LargeVector<float> moved_;          // how far the surface has moved at a vertex
-  LargeVector<float> turn_;           // when a vertex may go, kDone once it has had its turn
-  std::int32_t walks_ = 0;
-  std::vector<Spoke> spokes_;  // of the last walk
-};
+}  // namespace
 
 // List the edges at a vertex in turn.
 void Contraction::walk(std::int32_t hub) {
@@ -191,98 +160,6 @@ void Contraction::thin_out(const Progress& progress) {
   }
 }
 
-bool Contraction::join_at(std::int32_t hub) {
-  walk(hub);
-  for (const Spoke& spoke : spokes_)
-    if (spoke.squared == 0.0 && link_condition(spoke.vertex)) {
-      halves_.contract(spoke.half);
-      return true;
-    }
-  return false;
-}
-
-// Let vertices try the samples of their neighbours.
-void settle_nearest(SampledSurface& surface, const Samples& samples) {
-  std::vector<double> squared(surface.points.size());
-  const auto gap = [&](std::int32_t vertex, std::int32_t sample) {
-    const Position side = minus(surface.points[vertex], samples.positions[sample]);
-    return dot(side, side);
-  };
-  for (std::size_t vertex = 0; vertex < squared.size(); ++vertex)
-    squared[vertex] = gap(static_cast<std::int32_t>(vertex), surface.nearest[vertex]);
-  for (int round = 0; round < kRounds; ++round)
-    for (const Triangle& face : surface.faces)
-      for (int k = 0; k < 3; ++k) {
-        const std::int32_t vertex = face[k], sample = surface.nearest[face[(k + 1) % 3]];
-        if (squared[vertex] == 0.0 || sample == surface.nearest[vertex]) continue;
-        const double other = gap(vertex, sample);
-        if (other > squared[vertex] || (other == squared[vertex] && sample > surface.nearest[vertex])) continue;
-        squared[vertex] = other;
-        surface.nearest[vertex] = sample;
-      }
-}
-
-// Vertices at one sample that do not form a disc: edge by edge, again and again, since an edge that is
-// refused may be free once its neighbours are gone.
-void Contraction::join_coincident() {
-  std::vector<std::int32_t> doubled, first(samples_.spacing.size(), -1);
-  for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
-    if (!is_at_sample(vertex)) continue;
-    std::int32_t& keeper = first[nearest_[vertex]];
-    if (keeper < 0) keeper = vertex;
-    else doubled.push_back(vertex);
-  }
-  std::size_t before;
-  do {
-    before = doubled.size();
-    doubled.erase(std::remove_if(doubled.begin(), doubled.end(), [&](std::int32_t vertex) { return join_at(vertex); }),
-                  doubled.end());
-  } while (doubled.size() < before);
-}
-
-// Vertices at one place that could not be joined: all but the first, a sample if there is one, move a
-// little towards their neighbours, so that no reader joins them and pinches the surface.
-void Contraction::part_coincident() {
-  std::size_t living = 0;
-  double largest = 0.0;
-  for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
-    if (!halves_.exists(vertex)) continue;
-    ++living;
-    for (const double coordinate : points_[vertex]) largest = std::max(largest, std::fabs(coordinate));
-  }
-  PositionTable table(living, largest);
-  std::vector<std::int32_t> doubled;
-  for (const bool samples : {true, false})
-    for (std::int32_t vertex = 0; vertex < count(); ++vertex)
-      if (halves_.exists(vertex) && is_at_sample(vertex) == samples && !table.enter(points_, vertex))
-        doubled.push_back(vertex);
-  // again and again, since a vertex among vertices of its own place cannot move before them
-  for (int step = 0; step < kSteps && !doubled.empty(); ++step)
-    doubled.erase(std::remove_if(doubled.begin(), doubled.end(),
-                                 [&](std::int32_t vertex) {
-                                   step_aside(vertex);
-                                   return table.enter(points_, vertex);
-                                 }),
-                  doubled.end());
-}
-
-// Towards the mean of the neighbours; from there, towards the farthest of them.
-void Contraction::step_aside(std::int32_t vertex) {
-  walk(vertex);
-  Position target{0.0, 0.0, 0.0};
-  for (const Spoke& spoke : spokes_)
-    for (int axis = 0; axis < 3; ++axis) target[axis] += spoke.tip[axis] / static_cast<double>(spokes_.size());
-  const Position before = points_[vertex];
-  const auto step = [&](const Position& end) {
-    for (int axis = 0; axis < 3; ++axis) points_[vertex][axis] += kStepAside * (end[axis] - before[axis]);
-  };
-  step(target);
-  const Spoke& farthest = *std::max_element(
-      spokes_.begin(), spokes_.end(), [](const Spoke& a, const Spoke& b) { return a.squared < b.squared; });
-  const Position moved = minus(points_[vertex], before);
-  if (dot(moved, moved) < kNoStep * kNoStep * farthest.squared) step(farthest.tip);
-}
-
 SampledSurface Contraction::surface() const {
   SampledSurface result;
   std::size_t vertices = 0, faces = 0;
@@ -307,8 +184,6 @@ SampledSurface Contraction::surface() const {
   }
   return result;
 }
-
-}  // namespace
 
 SampledSurface contract_edges(View<Position> points, View<Triangle> faces, View<std::int32_t> nearest,
                               const Samples& samples, const Leanness& leanness, const Progress& progress) {

@@ -9,7 +9,12 @@ namespace symrecon {
 
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
+  DisjointSets() = default;
+  explicit DisjointSets(std::size_t count) { reset(count); }
+
+  // Start again with a set for each member.
+  void reset(std::size_t count) {
+    parent_.resize(count);
     std::iota(parent_.begin(), parent_.end(), 0);
   }
 

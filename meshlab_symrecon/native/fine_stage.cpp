@@ -29,7 +29,8 @@ SYMRECON_INLINE double power_determinant(const Site& a, const Site& b, const Sit
   const Number x = difference<Machine>(Lanes{a.x, b.x, c.x, d.x}, Lanes{e.x, e.x, e.x, e.x});
   const Number y = difference<Machine>(Lanes{a.y, b.y, c.y, d.y}, Lanes{e.y, e.y, e.y, e.y});
   const Number z = difference<Machine>(Lanes{a.z, b.z, c.z, d.z}, Lanes{e.z, e.z, e.z, e.z});
-  const Number weight = difference<Machine>(Lanes{a.weight, b.weight, c.weight, d.weight}, Lanes{e.weight, e.weight, e.weight, e.weight});
+  const Number weight = difference<Machine>(Lanes{a.weight, b.weight, c.weight, d.weight},
+                                             Lanes{e.weight, e.weight, e.weight, e.weight});
   const Number lift = ((x * x + y * y) + z * z) - weight;                // lambda 6, delta 35
   const Number next = x * turned<1>(y) - turned<1>(x) * y;               // ab, bc, cd, da: lambda 4, delta 15
   const Number opposite = x * turned<2>(y) - turned<2>(x) * y;           // ac, bd, ca, db

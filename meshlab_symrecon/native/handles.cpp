@@ -8,7 +8,7 @@
 namespace symrecon {
 namespace {
 
-constexpr std::int64_t kStepsPerPoll = 1 << 13;
+constexpr std::int64_t kStepsPerCheckpoint = 1 << 13;
 
 // The cells at each candidate, as rows of one array.
 struct Stars {
@@ -54,9 +54,9 @@ class Growth {
     for (std::size_t site = 0; site < wanted.size(); ++site) offer(static_cast<std::int32_t>(site));
   }
 
-  std::vector<std::uint8_t> run(const std::function<void()>& poll) {
+  std::vector<std::uint8_t> run(const Checkpoint& checkpoint) {
     for (std::int64_t step = 0; !queue_.empty(); ++step) {
-      if (step % kStepsPerPoll == 0) poll();
+      if (step % kStepsPerCheckpoint == 0) checkpoint();
       const std::int32_t site = queue_.top().site;
       queue_.pop();
       queued_[site] = 0;
@@ -159,9 +159,9 @@ class Growth {
 
 std::vector<std::uint8_t> grow_without_loops(View<Quad> cells, View<std::uint8_t> wanted,
                                              View<std::uint8_t> certain, View<double> size,
-                                             const std::function<void()>& poll) {
+                                             const Checkpoint& checkpoint) {
   if (std::equal(wanted.begin(), wanted.end(), certain.begin())) return {wanted.begin(), wanted.end()};
-  return Growth(cells, wanted, certain, size).run(poll);
+  return Growth(cells, wanted, certain, size).run(checkpoint);
 }
 
 }  // namespace symrecon

@@ -3,10 +3,10 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "crust.hpp"
+#include "progress.hpp"
 #include "view.hpp"
 
 namespace symrecon {
@@ -16,9 +16,9 @@ namespace symrecon {
 // A site of `wanted` joins the set when, round that site, the set's parts belong to different
 // components of the set: such a step adds no loop.  What remains would close loops through uncertain
 // sites alone.  Sites of large `size` join first.  `certain` is a part of `wanted`.
-// `poll` is called now and then and may throw.
+// `checkpoint` is called now and then and may throw.
 std::vector<std::uint8_t> grow_without_loops(View<Quad> cells, View<std::uint8_t> wanted,
                                              View<std::uint8_t> certain, View<double> size,
-                                             const std::function<void()>& poll);
+                                             const Checkpoint& checkpoint);
 
 }  // namespace symrecon

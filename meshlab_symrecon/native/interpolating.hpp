@@ -26,8 +26,8 @@ struct LabelledBalls {
 
 // The side of every cell.  A cell with a site from `samples` on is outer.  A cell whose circumcentre
 // is a pole takes its side; any other that of the ball to which its circumcentre has the least
-// power, among the balls of its samples, or of its neighbours when those have none.  Poles come in the order of their cells; throws
-// std::invalid_argument otherwise.
+// power, among the balls of its samples, or of its neighbours when those have none.  Poles come in the
+// order of their cells; throws std::invalid_argument otherwise.
 std::vector<std::uint8_t> label_cells(View<Position> sites, View<Quad> cells, View<Quad> neighbours,
                                       std::int32_t samples, const LabelledBalls& balls);
 

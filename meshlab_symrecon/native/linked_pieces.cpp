@@ -3,20 +3,19 @@
 #include <algorithm>
 
 #include "disjoint_sets.hpp"
+#include "vectors.hpp"
 
 namespace symrecon {
 
-std::vector<std::int32_t> linked_pieces(const std::vector<Position>& sites, const std::vector<Quad>& cells,
-                                        const std::vector<double>& room, const std::vector<std::uint8_t>& loose,
-                                        double reach) {
+std::vector<std::int32_t> linked_pieces(View<Position> sites, View<Quad> cells, View<double> room,
+                                        View<std::uint8_t> loose, double reach) {
   const std::int32_t samples = static_cast<std::int32_t>(room.size());
   DisjointSets pieces(room.size());
   const auto links = [&](std::int32_t a, std::int32_t b) {
     if (a >= samples || b >= samples || loose[a] || loose[b]) return false;
-    double square = 0.0;
-    for (int axis = 0; axis < 3; ++axis) square += (sites[a][axis] - sites[b][axis]) * (sites[a][axis] - sites[b][axis]);
+    const Position side = minus(sites[a], sites[b]);
     const double longest = reach * std::min(room[a], room[b]);
-    return square <= longest * longest;
+    return dot(side, side) <= longest * longest;
   };
   for (const Quad& cell : cells)
     for (int a = 0; a < 3; ++a)

@@ -1,12 +1,6 @@
 // Python bindings of the compiled kernel: numpy arrays in, numpy arrays out, the GIL released in between.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-
-#include <stdexcept>
-#include <utility>
-#include <vector>
-
 #include "bindings.hpp"
+#include "numpy_borders.hpp"
 #include "orthocentres.hpp"
 #include "poles.hpp"
 #include "predicates.hpp"
@@ -14,14 +8,14 @@
 #include "scaling.hpp"
 #include "spatial_order.hpp"
 
-namespace nb = nanobind;
 using namespace symrecon;
 
 namespace {
 
-using PointArray = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-using FloatArray = nb::ndarray<const double, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
-using CellArray = nb::ndarray<const std::int32_t, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
+using PointArray = Rows<double, 3>;
+using FloatArray = Row<double>;
+using CellArray = Rows<std::int32_t, 4>;
+using Numbers = nb::ndarray<nb::numpy, std::int32_t>;
 
 std::vector<Site> gather(const PointArray& points, const FloatArray& weights) {
   if (points.shape(0) != weights.shape(0)) throw std::invalid_argument("one weight a point is needed");
@@ -32,57 +26,26 @@ std::vector<Site> gather(const PointArray& points, const FloatArray& weights) {
   return sites;
 }
 
-// Hand a vector over to numpy without copying it.
-template <class Array, class Element>
-Array to_numpy(std::vector<Element>&& values, std::initializer_list<std::size_t> shape) {
-  auto* owned = new std::vector<Element>(std::move(values));
-  nb::capsule owner(owned, [](void* pointer) noexcept { delete static_cast<std::vector<Element>*>(pointer); });
-  return Array(owned->data(), shape, owner);
-}
-
-using Matrix = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<2>>;
-using Vector = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<1>>;
-using Floats = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
-using Centres = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
-
 nb::tuple triangulate(const PointArray& points, const FloatArray& weights, const nb::object& progress) {
-  const bool reports = !progress.is_none();
-  const Progress report = [&](double fraction) {
-    nb::gil_scoped_acquire hold;
-    if (PyErr_CheckSignals() != 0) throw nb::python_error();
-    if (reports) progress(fraction);
-  };
-  RegularTriangulation result;
-  {
-    std::vector<Site> sites = gather(points, weights);
-    nb::gil_scoped_release release;
-    result = regular_triangulation(std::move(sites), report);
-  }
-  const std::size_t cells = result.cells.size(), sites = result.representative.size();
-  return nb::make_tuple(
-      result.rank,
-      to_numpy<Matrix>(std::move(result.cells), {cells, 4}), to_numpy<Matrix>(std::move(result.neighbours), {cells, 4}),
-      to_numpy<Vector>(std::move(result.representative), {sites}), to_numpy<Vector>(std::move(result.hidden_cell), {sites}));
+  const Progress report = reporter(progress);
+  std::vector<Site> sites = gather(points, weights);
+  RegularTriangulation result = without_gil([&] { return regular_triangulation(std::move(sites), report); });
+  return nb::make_tuple(result.rank, give_rows<std::int32_t>(std::move(result.cells)),
+                        give_rows<std::int32_t>(std::move(result.neighbours)), give(std::move(result.representative)),
+                        give(std::move(result.hidden_cell)));
 }
 
-void require_known_sites(const CellArray& cells, std::size_t sites) {
-  for (std::size_t i = 0; i < 4 * cells.shape(0); ++i)
-    if (cells.data()[i] < 0 || std::size_t(cells.data()[i]) >= sites) throw std::out_of_range("cell of unknown sites");
-}
-
-Centres orthocentres(const PointArray& points, const FloatArray& weights, const CellArray& cells) {
-  const std::size_t count = cells.shape(0);
-  std::vector<Point> centres(count);
-  {
-    const std::vector<Site> sites = gather(points, weights);
-    nb::gil_scoped_release release;
-    require_known_sites(cells, sites.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::int32_t* vertex = cells.data() + 4 * i;
-      centres[i] = orthocentre(sites[vertex[0]], sites[vertex[1]], sites[vertex[2]], sites[vertex[3]]);
-    }
-  }
-  return to_numpy<Centres>(std::move(centres), {count, 3});
+nb::ndarray<nb::numpy, double> orthocentres_of(const PointArray& points, const FloatArray& weights,
+                                               const CellArray& cells) {
+  const std::vector<Site> sites = gather(points, weights);
+  return give_rows<double>(without_gil([&] {
+    require_known_sites(view(cells), sites.size());
+    std::vector<Point> centres;
+    centres.reserve(cells.shape(0));
+    for (const Quad& cell : view(cells))
+      centres.push_back(orthocentre(sites[cell[0]], sites[cell[1]], sites[cell[2]], sites[cell[3]]));
+    return centres;
+  }));
 }
 
 std::vector<Site> gather(const PointArray& points) {
@@ -93,40 +56,26 @@ std::vector<Site> gather(const PointArray& points) {
   return sites;
 }
 
-void stop_on_interrupt() {
-  nb::gil_scoped_acquire hold;
-  if (PyErr_CheckSignals() != 0) throw nb::python_error();
-}
-
 nb::tuple find_poles_of(const PointArray& points, const CellArray& cells, std::int32_t samples) {
-  require_known_sites(cells, points.shape(0));
-  const Quad* const first = reinterpret_cast<const Quad*>(cells.data());
   FoundPoles poles;
   Spacings spacings;
-  {
+  without_gil([&] {
+    require_known_sites(view(cells), points.shape(0));
     const std::vector<Site> sites = gather(points);
-    nb::gil_scoped_release release;
-    poles = find_poles(sites, first, cells.shape(0), samples, stop_on_interrupt);
-    spacings = sample_spacings(sites, first, cells.shape(0), samples, stop_on_interrupt);
-  }
-  const std::size_t count = poles.cells.size(), rows = poles.first.size();
-  return nb::make_tuple(to_numpy<Vector>(std::move(poles.cells), {count}), to_numpy<Centres>(std::move(poles.centres), {count, 3}),
-                        to_numpy<Vector>(std::move(poles.first), {rows}), to_numpy<Vector>(std::move(poles.second), {rows}),
-                        to_numpy<Floats>(std::move(spacings.next), {rows}), to_numpy<Floats>(std::move(spacings.mean), {rows}));
+    poles = find_poles(sites, view(cells), samples, stop_on_interrupt);
+    spacings = sample_spacings(sites, view(cells), samples, stop_on_interrupt);
+  });
+  return nb::make_tuple(give(std::move(poles.cells)), give_rows<double>(std::move(poles.centres)),
+                        give(std::move(poles.first)), give(std::move(poles.second)), give(std::move(spacings.next)),
+                        give(std::move(spacings.mean)));
 }
 
-Vector curve_order_of(const PointArray& points) {
-  std::vector<std::int32_t> order;
-  {
-    nb::gil_scoped_release release;
-    std::vector<Site> sites(points.shape(0));
-    const double* position = points.data();
-    for (std::size_t i = 0; i < sites.size(); ++i)  // -0.0 and 0.0 are one position
-      sites[i] = {position[3 * i] + 0.0, position[3 * i + 1] + 0.0, position[3 * i + 2] + 0.0, 0.0};
-    order = curve_order(sites);
-  }
-  const std::size_t count = order.size();
-  return to_numpy<Vector>(std::move(order), {count});
+Numbers curve_order_of(const PointArray& points) {
+  return give(without_gil([&] {
+    std::vector<Site> sites = gather(points);
+    for (Site& site : sites) site = {site.x + 0.0, site.y + 0.0, site.z + 0.0, 0.0};  // -0.0 and 0.0 are one position
+    return curve_order(sites);
+  }));
 }
 
 // The stages of a predicate apart, for the tests: a stage that claims a sign must be right.
@@ -177,12 +126,13 @@ NB_MODULE(_native, module) {
   module.doc() = "Compiled kernel of meshlab_symrecon.";
   module.def("regular_triangulation", &triangulate, nb::arg("points"), nb::arg("weights"),
              nb::arg("progress") = nb::none());
-  module.def("orthocentres", &orthocentres, nb::arg("points"), nb::arg("weights"), nb::arg("cells"));
+  module.def("orthocentres", &orthocentres_of, nb::arg("points"), nb::arg("weights"), nb::arg("cells"));
   module.def("find_poles", &find_poles_of, nb::arg("points"), nb::arg("cells"), nb::arg("samples"));
   module.def("curve_order", &curve_order_of, nb::arg("points"));
   module.def("orientation", &orientation_of, nb::arg("points"), nb::arg("stage") = int(all_stages));
   module.def("power_test", &power_test_of, nb::arg("points"), nb::arg("weights"), nb::arg("stage") = int(all_stages));
-  module.def("fine_power_determinant", &fine_power_determinant_of, nb::arg("points"), nb::arg("weights"), nb::arg("fused"));
+  module.def("fine_power_determinant", &fine_power_determinant_of, nb::arg("points"), nb::arg("weights"),
+             nb::arg("fused"));
   module.def("perturbed_power_test", &perturbed_power_test_of, nb::arg("points"), nb::arg("weights"));
   bind_crust(module);
   bind_noise(module);

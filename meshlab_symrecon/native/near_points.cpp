@@ -50,7 +50,8 @@ class Blocks {
 
 }  // namespace
 
-std::vector<std::int32_t> nearest_kept(View<Position> points, View<double> reach, View<std::int32_t> order, double widest) {
+std::vector<std::int32_t> nearest_kept(View<Position> points, View<double> reach, View<std::int32_t> order,
+                                       double widest) {
   if (!(widest > 0.0)) throw std::invalid_argument("blocks need a positive width");
   Blocks blocks(points.size(), widest);
   std::vector<std::int32_t> keeper(points.size(), -1);

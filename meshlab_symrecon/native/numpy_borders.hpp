@@ -1,14 +1,16 @@
-// numpy arrays to vectors of small arrays or to views of them, and back without copying.
+// numpy arrays looked at in place, results handed over without copying, and work without the interpreter's lock.
 #pragma once
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
-#include <cstring>
+#include <array>
+#include <cstdint>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "progress.hpp"
 #include "view.hpp"
 
 namespace symrecon {
@@ -16,32 +18,18 @@ namespace symrecon {
 namespace nb = nanobind;
 
 template <typename T>
-using Rows = nb::ndarray<const T, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-template <typename T>
 using Row = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-
-template <typename Item, typename T>
-std::vector<Item> rows(const Rows<T>& array) {
-  if (array.shape(1) * sizeof(T) != sizeof(Item)) throw std::invalid_argument("wrong row width");
-  std::vector<Item> items(array.shape(0));
-  std::memcpy(items.data(), array.data(), items.size() * sizeof(Item));
-  return items;
-}
+template <typename T, Py_ssize_t Width>
+using Rows = nb::ndarray<const T, nb::shape<-1, Width>, nb::c_contig, nb::device::cpu>;
 
 template <typename T>
-std::vector<T> row(const Row<T>& array) {
-  return std::vector<T>(array.data(), array.data() + array.shape(0));
-}
-
-template <typename Item, typename T>
-View<Item> view_rows(const Rows<T>& array) {
-  if (array.shape(1) * sizeof(T) != sizeof(Item)) throw std::invalid_argument("wrong row width");
-  return {reinterpret_cast<const Item*>(array.data()), array.shape(0)};
-}
-
-template <typename T>
-View<T> view_row(const Row<T>& array) {
+View<T> view(const Row<T>& array) {
   return {array.data(), array.shape(0)};
+}
+
+template <typename T, Py_ssize_t Width>
+View<std::array<T, Width>> view(const Rows<T, Width>& array) {
+  return {reinterpret_cast<const std::array<T, Width>*>(array.data()), array.shape(0)};
 }
 
 template <typename T>
@@ -56,6 +44,33 @@ nb::ndarray<nb::numpy, T> give_rows(std::vector<Item>&& values) {
   auto* owner = new std::vector<Item>(std::move(values));
   nb::capsule release(owner, [](void* p) noexcept { delete static_cast<std::vector<Item>*>(p); });
   return nb::ndarray<nb::numpy, T>(owner->data(), {owner->size(), sizeof(Item) / sizeof(T)}, release);
+}
+
+template <typename Work>
+auto without_gil(Work&& work) {
+  nb::gil_scoped_release release;
+  return work();
+}
+
+// Lets signals through, Ctrl-C among them.
+inline void stop_on_interrupt() {
+  nb::gil_scoped_acquire hold;
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+// Lets signals through, and tells a Python callable, if there is one, the share done.
+inline Progress reporter(const nb::object& progress) {
+  return [&progress](double fraction) {
+    nb::gil_scoped_acquire hold;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    if (!progress.is_none()) progress(fraction);
+  };
+}
+
+inline void require_known_sites(View<std::array<std::int32_t, 4>> cells, std::size_t sites) {
+  for (const auto& cell : cells)
+    for (const std::int32_t site : cell)
+      if (site < 0 || std::size_t(site) >= sites) throw std::out_of_range("cell of unknown sites");
 }
 
 }  // namespace symrecon

@@ -106,7 +106,8 @@ Point by_double_doubles(const Site& a, const Site& b, const Site& c, const Site&
   // lift 32, cross product 24, product and sums 24: 80 u^2 (predicates.hpp); 128 leaves room
   constexpr double roundings = 128 * unit_roundoff * unit_roundoff;
   const Quotient<DoubleDouble> u = cramer(fine_arm(a, b), fine_arm(a, c), fine_arm(a, d));
-  if (!accurate(u.x.high, u.y.high, u.z.high, u.determinant.high, scale, roundings, fine_accuracy)) return by_integers(a, b, c, d);
+  if (!accurate(u.x.high, u.y.high, u.z.high, u.determinant.high, scale, roundings, fine_accuracy))
+    return by_integers(a, b, c, d);
   const double half = 0.5 / u.determinant.high;
   return {a.x + u.x.high * half, a.y + u.y.high * half, a.z + u.z.high * half};
 }

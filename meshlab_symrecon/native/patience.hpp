@@ -2,13 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdint>
-#include <functional>
+#include <cstddef>
+
+#include "progress.hpp"
 
 namespace symrecon {
-
-// Called now and then with the share of the work done; may throw to stop it.
-using Progress = std::function<void(double)>;
 
 class Patience {
  public:

@@ -7,6 +7,22 @@
 namespace symrecon {
 namespace {
 
+// The piece of each site, connected by edges of the cells between sites of equal label.
+std::vector<std::int32_t> label_pieces(View<Quad> cells, View<std::uint8_t> labels) {
+  DisjointSets sets(labels.size());
+  for (const Quad& cell : cells) {
+    std::int32_t first[2] = {-1, -1};  // corner of each label; the others of that label join it
+    for (const std::int32_t site : cell) {
+      std::int32_t& root = first[labels[site] != 0];
+      if (root < 0)
+        root = site;
+      else
+        sets.join(root, site);
+    }
+  }
+  return sets.numbers();
+}
+
 struct Pieces {
   std::vector<std::int32_t> of;     // site -> piece
   std::vector<std::int64_t> sizes;  // samples
@@ -52,21 +68,6 @@ void keep_largest_island(Pieces& pieces, const std::vector<std::uint8_t>& labels
 }
 
 }  // namespace
-
-std::vector<std::int32_t> label_pieces(View<Quad> cells, View<std::uint8_t> labels) {
-  DisjointSets sets(labels.size());
-  for (const Quad& cell : cells) {
-    std::int32_t first[2] = {-1, -1};  // corner of each label; the others of that label join it
-    for (const std::int32_t site : cell) {
-      std::int32_t& root = first[labels[site] != 0];
-      if (root < 0)
-        root = site;
-      else
-        sets.join(root, site);
-    }
-  }
-  return sets.numbers();
-}
 
 std::vector<std::uint8_t> turn_small_pieces(View<Quad> cells, View<std::uint8_t> labels,
                                             View<std::uint8_t> fixed, View<std::int32_t> samples,

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "prefetch.hpp"
+
 namespace symrecon {
 namespace {
 
@@ -20,11 +22,7 @@ double square_distance(const Site& a, const Site& b) {
 // million of them do not fit the cache.
 template <class Entry>
 void announce(const std::vector<Entry>& entries, const Quad& cell) {
-#if defined(__GNUC__) || defined(__clang__)
-  for (const std::int32_t sample : cell) __builtin_prefetch(entries.data() + sample);
-#else
-  (void)entries, (void)cell;
-#endif
+  for (const std::int32_t sample : cell) prefetch(entries.data() + sample);
 }
 
 constexpr std::size_t ahead_of_use = 8;  // cells
@@ -37,12 +35,12 @@ struct Search {
   std::int32_t first = -1, second = -1;
 };
 
-std::vector<Point> find_first(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
+std::vector<Point> find_first(const std::vector<Site>& sites, View<Quad> cells,
                               std::vector<Search>& searches, const Checkpoint& checkpoint) {
-  std::vector<Point> centres(cell_count);
-  for (std::size_t i = 0; i < cell_count; ++i) {
+  std::vector<Point> centres(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
     if (i % cells_per_checkpoint == 0) checkpoint();
-    const Quad& soon = cells[std::min(i + ahead_of_use, cell_count - 1)];
+    const Quad& soon = cells[std::min(i + ahead_of_use, cells.size() - 1)];
     announce(sites, soon);
     announce(searches, soon);
     const Quad& cell = cells[i];
@@ -62,7 +60,7 @@ std::vector<Point> find_first(const std::vector<Site>& sites, const Quad* cells,
   return centres;
 }
 
-void find_second(const std::vector<Site>& sites, const Quad* cells, const std::vector<Point>& centres,
+void find_second(const std::vector<Site>& sites, View<Quad> cells, const std::vector<Point>& centres,
                  std::vector<Search>& searches, const Checkpoint& checkpoint) {
   for (std::size_t i = 0; i < centres.size(); ++i) {
     if (i % cells_per_checkpoint == 0) checkpoint();
@@ -108,17 +106,17 @@ struct Nearest {
 
 }  // namespace
 
-FoundPoles find_poles(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
+FoundPoles find_poles(const std::vector<Site>& sites, View<Quad> cells,
                       std::int32_t samples, const Checkpoint& checkpoint) {
   std::vector<Search> searches(samples);
-  const std::vector<Point> centres = find_first(sites, cells, cell_count, searches, checkpoint);
+  const std::vector<Point> centres = find_first(sites, cells, searches, checkpoint);
   find_second(sites, cells, centres, searches, checkpoint);
   FoundPoles poles;
-  std::vector<std::int32_t> number(cell_count, -1);
+  std::vector<std::int32_t> number(cells.size(), -1);
   for (const Search& search : searches)
     for (const std::int32_t cell : {search.first, search.second})
       if (cell >= 0) number[cell] = 0;
-  for (std::size_t cell = 0; cell < cell_count; ++cell) {
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
     if (number[cell] < 0) continue;
     number[cell] = std::int32_t(poles.cells.size());
     poles.cells.push_back(std::int32_t(cell));
@@ -134,12 +132,12 @@ FoundPoles find_poles(const std::vector<Site>& sites, const Quad* cells, std::si
   return poles;
 }
 
-Spacings sample_spacings(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
+Spacings sample_spacings(const std::vector<Site>& sites, View<Quad> cells,
                          std::int32_t samples, const Checkpoint& checkpoint) {
   std::vector<Nearest> nearest(samples);
-  for (std::size_t i = 0; i < cell_count; ++i) {
+  for (std::size_t i = 0; i < cells.size(); ++i) {
     if (i % cells_per_checkpoint == 0) checkpoint();
-    const Quad& soon = cells[std::min(i + ahead_of_use, cell_count - 1)];
+    const Quad& soon = cells[std::min(i + ahead_of_use, cells.size() - 1)];
     announce(sites, soon);
     announce(nearest, soon);
     const Quad& cell = cells[i];

@@ -21,7 +21,7 @@ struct FoundPoles {
 };
 
 // Sites from `samples` on are no samples.  Of equally far centres the one of the first cell counts.
-FoundPoles find_poles(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
+FoundPoles find_poles(const std::vector<Site>& sites, View<Quad> cells,
                       std::int32_t samples, const Checkpoint& checkpoint);
 
 // How far the samples round each sample are, in terms of its Delaunay neighbours.
@@ -31,7 +31,7 @@ struct Spacings {
 };
 
 // A sample without a neighbour that is a sample gets infinity.
-Spacings sample_spacings(const std::vector<Site>& sites, const Quad* cells, std::size_t cell_count,
+Spacings sample_spacings(const std::vector<Site>& sites, View<Quad> cells,
                          std::int32_t samples, const Checkpoint& checkpoint);
 
 }  // namespace symrecon

@@ -89,10 +89,7 @@ PowerVertices power_vertices(const PolarBalls& balls, View<Quad> cells, View<std
     const Point centre = orthocentre(ball(balls, cell[0]), ball(balls, cell[1]), ball(balls, cell[2]),
                                      ball(balls, cell[3]));
     position = {centre.x, centre.y, centre.z};
-    if (!within_reach(balls, cell, position, reach)) {
-      position = mean_of_samples(balls, cell);
-      ++result.replaced;
-    }
+    if (!within_reach(balls, cell, position, reach)) position = mean_of_samples(balls, cell);
     result.nearest[i] = nearest_sample(balls, touched, position);
   }
   return result;

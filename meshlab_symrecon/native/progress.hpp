@@ -7,8 +7,7 @@
 
 namespace symrecon {
 
-// Called several times a second with the share of sites inserted, before the first and after the last one too; may
-// throw to stop the work.
+// Called several times a second with the share of the work done; may throw to stop it.
 using Progress = std::function<void(double)>;
 
 // Called several times a second; may throw to stop the work.

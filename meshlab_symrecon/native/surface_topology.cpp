@@ -1,6 +1,7 @@
 #include "surface_topology.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "disjoint_sets.hpp"
 
@@ -15,13 +16,16 @@ struct Side {
 
 std::int32_t next_corner(std::int32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
-}  // namespace
+// Sides by their smaller end: those of vertex v are sides[starts[v]] to sides[starts[v + 1]].
+struct SortedSides {
+  std::vector<std::int32_t> starts;
+  std::vector<Side> sides;
+};
 
-SurfaceTopology surface_topology(const std::vector<Triangle>& faces, std::int32_t vertex_count) {
+// A counting sort by the smaller end, then each run by the larger one.
+SortedSides sorted_sides(View<Triangle> faces, std::int32_t vertex_count) {
   const std::int32_t side_count = static_cast<std::int32_t>(3 * faces.size());
   const auto vertex = [&](std::int32_t corner) { return faces[corner / 3][corner % 3]; };
-
-  // Sides by their smaller end (a counting sort), then by the larger one.
   std::vector<std::int32_t> starts(vertex_count + 1, 0);
   for (std::int32_t side = 0; side < side_count; ++side)
     ++starts[std::min(vertex(side), vertex(next_corner(side))) + 1];
@@ -32,7 +36,19 @@ SurfaceTopology surface_topology(const std::vector<Triangle>& faces, std::int32_
     const std::int32_t a = vertex(side), b = vertex(next_corner(side));
     sides[place[std::min(a, b)]++] = {std::max(a, b), side};
   }
+  for (std::int32_t v = 0; v < vertex_count; ++v)
+    std::sort(sides.begin() + starts[v], sides.begin() + starts[v + 1], [](const Side& a, const Side& b) {
+      return a.far != b.far ? a.far < b.far : a.number < b.number;
+    });
+  return {std::move(starts), std::move(sides)};
+}
 
+}  // namespace
+
+SurfaceTopology surface_topology(View<Triangle> faces, std::int32_t vertex_count) {
+  const std::int32_t side_count = static_cast<std::int32_t>(3 * faces.size());
+  const auto vertex = [&](std::int32_t corner) { return faces[corner / 3][corner % 3]; };
+  const auto [starts, sides] = sorted_sides(faces, vertex_count);
   SurfaceTopology result;
   DisjointSets pieces(faces.size()), fans(side_count);
   std::vector<std::uint8_t> used(vertex_count, 0);
@@ -41,10 +57,6 @@ SurfaceTopology surface_topology(const std::vector<Triangle>& faces, std::int32_
   result.vertices = std::count(used.begin(), used.end(), 1);
 
   for (std::int32_t v = 0; v < vertex_count; ++v) {
-    std::sort(sides.begin() + starts[v], sides.begin() + starts[v + 1],
-              [](const Side& a, const Side& b) {
-                return a.far != b.far ? a.far < b.far : a.number < b.number;
-              });
     for (std::int32_t i = starts[v]; i < starts[v + 1];) {
       std::int32_t end = i + 1;
       for (; end < starts[v + 1] && sides[end].far == sides[i].far; ++end) {

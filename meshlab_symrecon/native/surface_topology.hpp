@@ -19,6 +19,6 @@ struct SurfaceTopology {
   std::vector<std::int32_t> piece;  // component of each face
 };
 
-SurfaceTopology surface_topology(const std::vector<Triangle>& faces, std::int32_t vertex_count);
+SurfaceTopology surface_topology(View<Triangle> faces, std::int32_t vertex_count);
 
 }  // namespace symrecon

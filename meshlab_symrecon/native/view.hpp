@@ -3,6 +3,8 @@
 
 #include <cstddef>
 
+#include "prefetch.hpp"
+
 namespace symrecon {
 
 template <class Item>
@@ -17,13 +19,7 @@ class View {
   std::size_t size() const { return size_; }
   const Item& operator[](std::size_t place) const { return items_[place]; }
   // A hint that an item will be read soon.
-  void announce(std::size_t place) const {
-#if defined(__GNUC__) || defined(__clang__)
-    __builtin_prefetch(items_ + place);
-#else
-    (void)place;
-#endif
-  }
+  void announce(std::size_t place) const { prefetch(items_ + place); }
 
   const Item* begin() const { return items_; }
   const Item* end() const { return items_ + size_; }

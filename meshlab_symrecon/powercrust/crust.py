@@ -14,14 +14,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshlab_symrecon import _native
-from meshlab_symrecon.arrays import Booleans, Faces, Floats, Indices, Points
+from meshlab_symrecon.arrays import Booleans, Faces, Indices, Points
 from meshlab_symrecon.geometry.triangulation import SmallIndices, Triangulation
 from meshlab_symrecon.powercrust.poles import Poles
 from meshlab_symrecon.powercrust.progress import Progress, part
 
 __all__ = [
     "FLAT",
+    "JOINS_DONE",
     "REACH",
+    "WALLS_DONE",
     "WELD",
     "Crust",
     "WallTriangles",
@@ -34,7 +36,7 @@ __all__ = [
 
 WELD = 0.1  # local spacings: shorter edges are contracted; far below what the samples resolve
 FLAT = 0.015  # local spacings: a vertex goes when its removal moves the surface by less
-WALLS_DONE, JOINED = 0.4, 0.65  # shares of the time
+WALLS_DONE, JOINS_DONE = 0.4, 0.65  # shares of the time
 REACH = 2.0  # radii of the smallest ball: a power vertex farther off comes from a flat cell
 
 
@@ -49,17 +51,11 @@ class Crust:
         Counter-clockwise seen from outside.
     nearest : (v,) int
         The sample nearest to each vertex, among those on the polar balls that meet there.
-    gap : (v,) float
-        Distance of each vertex to that sample; zero for a vertex that is a sample.
-    replaced : int
-        Power vertices of nearly flat cells, put at the mean of the samples of their poles.
     """
 
     points: Points
     faces: Faces
     nearest: Indices
-    gap: Floats
-    replaced: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,7 +66,6 @@ class Walls:
     nearest: SmallIndices  # (k,)  the sample nearest to each
     offsets: SmallIndices  # (w + 1,)  wall i has the corners offsets[i] to offsets[i + 1]
     corners: SmallIndices  # (c,)  vertices, counter-clockwise seen from outside
-    replaced: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,7 +75,6 @@ class WallTriangles:
     points: Points  # (k, 3)
     faces: SmallIndices  # (t, 3)
     nearest: SmallIndices  # (k,)
-    replaced: int
 
 
 def crust_faces(
@@ -102,8 +96,8 @@ def crust_faces(
         Called with the share done, 0 to 1.
     """
     walls = crust_walls(poles, diagram, inside, progress=part(progress, 0.0, WALLS_DONE))
-    joined = joined_at_samples(walls, poles, progress=part(progress, WALLS_DONE, JOINED))
-    return contracted(joined, poles, progress=part(progress, JOINED, 1.0))
+    joined = joined_at_samples(walls, poles, progress=part(progress, WALLS_DONE, JOINS_DONE))
+    return contracted(joined, poles, progress=part(progress, JOINS_DONE, 1.0))
 
 
 def crust_walls(
@@ -120,7 +114,7 @@ def crust_walls(
     cells, offsets, corners = _native.mixed_edge_polygons(
         diagram.cells, diagram.neighbours, inside.astype(np.uint8), part(progress, 0.0, 0.5)
     )
-    vertices, nearest, replaced = _native.power_vertices(
+    vertices, nearest = _native.power_vertices(
         poles.centres,
         poles.radii,
         np.ascontiguousarray(poles.samples, dtype=np.int32),
@@ -131,7 +125,7 @@ def crust_walls(
         REACH,
         part(progress, 0.5, 1.0),
     )
-    return Walls(vertices, nearest, offsets, corners, replaced)
+    return Walls(vertices, nearest, offsets, corners)
 
 
 def joined_at_samples(
@@ -141,7 +135,7 @@ def joined_at_samples(
     points, faces, nearest = _native.join_at_samples(
         walls.vertices, walls.nearest, walls.offsets, walls.corners, _samples(poles), progress
     )
-    return WallTriangles(points, faces, nearest, walls.replaced)
+    return WallTriangles(points, faces, nearest)
 
 
 def contracted(walls: WallTriangles, poles: Poles, *, progress: Progress | None = None) -> Crust:
@@ -151,8 +145,7 @@ def contracted(walls: WallTriangles, poles: Poles, *, progress: Progress | None 
     points, faces, nearest = _native.contract_edges(
         walls.points, walls.faces, walls.nearest, samples, spacing, WELD, FLAT, progress
     )
-    gap = np.linalg.norm(points - samples[nearest], axis=1)
-    return Crust(points, faces.astype(np.int64), nearest.astype(np.int64), gap, walls.replaced)
+    return Crust(points, faces.astype(np.int64), nearest.astype(np.int64))
 
 
 def _samples(poles: Poles) -> Points:

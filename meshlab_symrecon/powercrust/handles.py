@@ -15,6 +15,7 @@ import numpy as np
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Floats
 from meshlab_symrecon.geometry.triangulation import Triangulation
+from meshlab_symrecon.powercrust.pole_graph import shown_poles
 
 __all__ = ["without_small_handles"]
 
@@ -40,8 +41,7 @@ def without_small_handles(
     (p,) bool
         Inner poles.  Poles in no cell of the diagram are outside.
     """
-    shown = np.zeros(len(inside), dtype=bool)
-    shown[diagram.cells.ravel()] = True
+    shown = shown_poles(diagram)
     large = sizes >= smallest
     inner = inside & shown
     inner = _grown(diagram, inner, inner & large, sizes)
@@ -50,6 +50,7 @@ def without_small_handles(
 
 
 def _grown(diagram: Triangulation, wanted: Booleans, certain: Booleans, sizes: Floats) -> Booleans:
+    """Return (p,) the wanted poles that join the certain ones without closing small loops."""
     grown: Booleans = _native.grow_without_loops(
         diagram.cells, wanted.astype(np.uint8), certain.astype(np.uint8), sizes
     ).astype(bool)

@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Faces, Indices, Points
-from meshlab_symrecon.geometry.triangulation import Triangulation
+from meshlab_symrecon.geometry.triangulation import FACETS, Triangulation
+from meshlab_symrecon.powercrust.labelling import SMALLEST_PIECE
+from meshlab_symrecon.powercrust.pole_graph import covering_poles
 from meshlab_symrecon.powercrust.poles import Poles
 
 __all__ = ["InterpolatingSurface", "interpolating_faces"]
-
-SMALLEST_PIECE = 0.005  # share of the samples; a smaller island or bubble is noise
-FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # outward, opposite each corner
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,12 +112,7 @@ def _sides_of_poles(poles: Poles, diagram: Triangulation, inside: Booleans) -> N
     A pole without a power cell, which cannot be told apart by its own evidence, takes the side of
     the one whose ball covers it most.
     """
-    sides = inside.astype(np.uint8)
-    hidden = np.flatnonzero(diagram.hidden[diagram.representative])
-    round_it = diagram.cells[diagram.hidden_cell[diagram.representative[hidden]]]
-    reach = poles.centres[round_it] - poles.centres[hidden, None]
-    powers = np.einsum("ijk,ijk->ij", reach, reach) - poles.radii[round_it] ** 2
-    sides[hidden] = sides[round_it[np.arange(len(hidden)), powers.argmin(axis=1)]]
+    sides = inside[covering_poles(poles, diagram)].astype(np.uint8)
     sides[poles.outermost] = 0
     return sides
 

@@ -15,6 +15,7 @@ from meshlab_symrecon.powercrust.minimum_cut import corrected_by_cuts, path_cost
 from meshlab_symrecon.powercrust.pole_graph import (
     Intersections,
     Opposites,
+    covering_poles,
     intersections,
     opposites,
     shown_poles,
@@ -24,7 +25,7 @@ from meshlab_symrecon.powercrust.progress import Progress, part
 from meshlab_symrecon.powercrust.propagation import propagated
 from meshlab_symrecon.powercrust.small_balls import relative_sizes
 
-__all__ = ["METHODS", "Labels", "label_poles"]
+__all__ = ["METHODS", "SMALLEST_PIECE", "Labels", "label_poles"]
 
 METHODS = ("min cut", "propagation")
 
@@ -96,7 +97,7 @@ def label_poles(
     if smallest_handle > 0.0:
         sizes = relative_sizes(poles)
         inside = without_small_handles(diagram, inside, outer, sizes, smallest_handle)
-    cover = _covering_poles(poles, diagram)
+    cover = covering_poles(poles, diagram)
     samples = np.bincount(cover[poles.pairs].ravel(), minlength=len(cover))
     inside, flipped = _without_small_pieces(diagram, inside, outer, samples)
     return Labels(
@@ -123,21 +124,6 @@ def _certainly_outside(poles: Poles, diagram: Triangulation) -> Booleans:
     for step in (1, 2, 3):
         outer[diagram.cells[cell, (corner + step) % 4]] = True
     return outer
-
-
-def _covering_poles(poles: Poles, diagram: Triangulation) -> Indices:
-    """Return (p,) the pole with a cell in the power diagram that stands for each pole.
-
-    A pole without one takes the label of the ball that covers it, and leaves it its samples: where
-    many samples lie on one sphere, all but a few of their poles at its centre have no cell.
-    """
-    cover = diagram.representative.astype(np.int64)
-    hidden = np.flatnonzero(diagram.hidden)
-    corners = diagram.cells[diagram.hidden_cell[hidden]]
-    arms = poles.centres[corners] - poles.centres[hidden][:, None]
-    power = np.einsum("ijk,ijk->ij", arms, arms) - poles.radii[corners] ** 2
-    cover[hidden] = corners[np.arange(len(hidden)), power.argmin(axis=1)]
-    return cover[diagram.representative]
 
 
 def _without_small_pieces(

@@ -7,8 +7,6 @@ moves by less than their distance.  On free-form surfaces hardly any poles are t
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from meshlab_symrecon import _native
@@ -47,15 +45,7 @@ def join_near_poles(poles: Poles) -> Poles:
     number = np.where(keep, number, number[keeper])
     pairs = number[poles.pairs]
     apart = pairs[:, 0] != pairs[:, 1]
-    return replace(
-        poles,
-        centres=poles.centres[keep],
-        radii=poles.radii[keep],
-        samples=poles.samples[keep],
-        pairs=pairs[apart],
-        pair_samples=poles.pair_samples[apart],
-        outermost=poles.outermost[keep],
-    )
+    return poles.only(keep, pairs[apart], poles.pair_samples[apart])
 
 
 def _crowd(poles: Poles, widest: float) -> bool:

@@ -8,20 +8,24 @@ on different sides, the more certainly the flatter the angle between them (Ament
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Floats, Indices
-from meshlab_symrecon.geometry.triangulation import Triangulation
+from meshlab_symrecon.geometry.triangulation import SmallIndices, Triangulation
 from meshlab_symrecon.powercrust.poles import Poles
 from meshlab_symrecon.powercrust.progress import Progress
 
-__all__ = ["Intersections", "Opposites", "intersections", "opposites", "shown_poles"]
-
-SmallIndices: TypeAlias = NDArray[np.int32]
+__all__ = [
+    "Intersections",
+    "Opposites",
+    "covering_poles",
+    "intersections",
+    "opposites",
+    "shown_poles",
+]
 
 FLATTEST = 1.0 - 1e-9  # cosine of poles straight across; keeps -log of it above zero
 MOST_PARTNERS = 24  # at a sample with more balls (about eight are usual) the largest meet the rest
@@ -79,6 +83,21 @@ def shown_poles(diagram: Triangulation) -> Booleans:
         diagram.representative == np.arange(len(diagram.representative))
     )
     return shown
+
+
+def covering_poles(poles: Poles, diagram: Triangulation) -> Indices:
+    """Return (p,) the pole with a cell in the power diagram that stands for each pole.
+
+    A pole without one takes the label of the ball that covers it most, and leaves it its samples:
+    where many samples lie on one sphere, all but a few of their poles at its centre have no cell.
+    """
+    cover = diagram.representative.astype(np.int64)
+    hidden = np.flatnonzero(diagram.hidden)
+    corners = diagram.cells[diagram.hidden_cell[hidden]]
+    arms = poles.centres[corners] - poles.centres[hidden][:, None]
+    power = np.einsum("ijk,ijk->ij", arms, arms) - poles.radii[corners] ** 2
+    cover[hidden] = corners[np.arange(len(hidden)), power.argmin(axis=1)]
+    return cover[diagram.representative]
 
 
 def intersections(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -63,6 +63,18 @@ class Poles:
         """Dimensions that the poles span; below 3 for a handful of cospherical samples."""
         spread = np.linalg.svd(self.centres - self.centres.mean(axis=0), compute_uv=False)
         return int(np.count_nonzero(spread > FLAT * spread[0]))
+
+    def only(self, kept: Booleans, pairs: Indices, pair_samples: Indices) -> Poles:
+        """Return some of the poles, (p,) True for those, with new pairs of them."""
+        return replace(
+            self,
+            centres=self.centres[kept],
+            radii=self.radii[kept],
+            samples=self.samples[kept],
+            pairs=pairs,
+            pair_samples=pair_samples,
+            outermost=self.outermost[kept],
+        )
 
 
 def enclose(samples: Points) -> Points:

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeAlias
+from meshlab_symrecon.geometry.triangulation import Progress
 
 __all__ = ["Progress", "part"]
-
-Progress: TypeAlias = Callable[[float], object]
 
 
 def part(progress: Progress | None, low: float, high: float) -> Progress | None:

@@ -9,7 +9,7 @@ clouds", 2005, keep large balls alone).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -81,13 +81,5 @@ def drop_small_balls(poles: Poles, smallest: float) -> tuple[Poles, int]:
         return poles, 0
     number = np.cumsum(keep) - 1
     paired = keep[poles.pairs].all(axis=1)
-    kept = replace(
-        poles,
-        centres=poles.centres[keep],
-        radii=poles.radii[keep],
-        samples=poles.samples[keep],
-        pairs=number[poles.pairs[paired]],
-        pair_samples=poles.pair_samples[paired],
-        outermost=poles.outermost[keep],
-    )
+    kept = poles.only(keep, number[poles.pairs[paired]], poles.pair_samples[paired])
     return kept, int(np.count_nonzero(~keep))

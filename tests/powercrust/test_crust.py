@@ -16,7 +16,7 @@ from meshlab_symrecon.geometry.surfaces import (
     surface_area,
     topology,
 )
-from meshlab_symrecon.geometry.triangulation import delaunay, regular_triangulation
+from meshlab_symrecon.geometry.triangulation import FACETS, delaunay, regular_triangulation
 from meshlab_symrecon.powercrust.crust import FLAT, REACH, WELD, Crust, crust_faces
 from meshlab_symrecon.powercrust.labelling import label_poles
 from meshlab_symrecon.powercrust.poles import enclose, find_poles
@@ -72,7 +72,7 @@ def unmerged(name, inside):
     cells, offsets, corners = _native.mixed_edge_polygons(
         diagram.cells, diagram.neighbours, inside.astype(np.uint8)
     )
-    vertices, nearest, _ = _native.power_vertices(
+    vertices, nearest = _native.power_vertices(
         poles.centres,
         poles.radii,
         poles.samples.astype(np.int32),
@@ -145,9 +145,8 @@ def test_samples_that_all_balls_of_a_vertex_touch_are_vertices_bit_for_bit(name)
     touched = np.concatenate([poles.samples[corner] for corner in diagram.cells[mixed].T], axis=1)
     values, counts = zip(*(np.unique(row, return_counts=True) for row in touched), strict=True)
     shared = np.unique(np.concatenate(values)[np.concatenate(counts) == 4])
-    at_sample = crust.gap == 0.0
+    at_sample = (crust.points == poles.sites[crust.nearest]).all(axis=1)
     assert np.isin(shared, crust.nearest[at_sample]).all()
-    np.testing.assert_array_equal(crust.points[at_sample], poles.sites[crust.nearest[at_sample]])
 
 
 def test_power_vertices_have_equal_power_to_four_balls():
@@ -169,12 +168,8 @@ def test_vertices_know_the_sample_nearest_to_them():
     poles, diagram = diagram_of("torus")
     crust = crust_faces(poles, diagram, true_labels("torus"))
     samples = poles.sites[: poles.sample_count]
-    distance, nearest = cKDTree(samples).query(crust.points)
+    nearest = cKDTree(samples).query(crust.points)[1]
     assert (crust.nearest == nearest).mean() > 0.99
-    assert (crust.gap >= distance - 1e-12).all()
-    np.testing.assert_array_equal(
-        crust.gap, np.linalg.norm(crust.points - samples[crust.nearest], axis=1)
-    )
 
 
 def test_the_crust_is_lean_and_stays_within_its_tolerance_of_the_power_diagram():
@@ -212,7 +207,7 @@ def test_no_inner_pole_gives_no_face():
     crust = crust_faces(poles, diagram, np.zeros(len(poles.centres), dtype=bool))
     assert isinstance(crust, Crust)
     assert crust.points.shape == crust.faces.shape == (0, 3)
-    assert len(crust.nearest) == len(crust.gap) == 0
+    assert len(crust.nearest) == 0
 
 
 def test_samples_without_neighbours_do_not_swallow_the_surface():
@@ -260,6 +255,23 @@ def test_cells_that_are_no_neighbours_are_refused():
         _native.mixed_edge_polygons(
             diagram.cells, wrong.astype(np.int32), true_labels("sphere").astype(np.uint8)
         )
+
+
+def test_a_polygon_that_ends_before_it_closes_is_refused():
+    cells = delaunay(np.random.default_rng(0).random((12, 3)))
+    cell, corner = np.nonzero(cells.neighbours < 0)
+    inside = np.ones(12, dtype=np.uint8)
+    inside[cells.cells[cell[:, None], FACETS[corner]]] = 0
+    assert inside.any()
+    messages = set()
+    for cell, place, other in itertools.product(range(len(cells.cells)), range(4), range(4)):
+        wrong = cells.cells.copy()
+        wrong[cell, place] = wrong[cell, other]  # a site twice in one cell
+        try:
+            _native.mixed_edge_polygons(wrong, cells.neighbours, inside)
+        except ValueError as error:
+            messages.add(str(error))
+    assert "cells of the triangulation do not close round an edge" in messages
 
 
 def test_polygons_of_no_surface_are_refused():

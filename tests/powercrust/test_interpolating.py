@@ -7,8 +7,8 @@ from scipy.spatial import cKDTree
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.geometry.surfaces import enclosed_volume, topology
-from meshlab_symrecon.geometry.triangulation import delaunay, regular_triangulation
-from meshlab_symrecon.powercrust.interpolating import FACETS, interpolating_faces
+from meshlab_symrecon.geometry.triangulation import FACETS, delaunay, regular_triangulation
+from meshlab_symrecon.powercrust.interpolating import interpolating_faces
 from meshlab_symrecon.powercrust.labelling import label_poles
 from meshlab_symrecon.powercrust.poles import enclose, find_poles
 
