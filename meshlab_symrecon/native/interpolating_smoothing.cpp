@@ -6,6 +6,8 @@
 namespace symrecon {
 namespace {
 
+constexpr std::uint8_t kMostTurns = 8;  // of a cell: bends of slivers may call for turns without end
+
 // A sample is taken into a boundary triangle that does not grow more than this.
 constexpr double kMostGrowth = 1.0;  // areas of the triangle: a peak of half its width, at most
 
@@ -177,6 +179,7 @@ bool CellSides::is_greatest(const Exchange& exchange, const std::vector<double>&
 // each other, so the result does not depend on the order of the cells.
 void CellSides::smooth() {
   std::vector<double> gains(cells_.size(), 0.0);
+  std::vector<std::uint8_t> turns(cells_.size(), 0);
   std::vector<Exchange> waiting;
   std::vector<std::size_t> greatest;  // places among those that wait
   Chosen changed;
@@ -188,7 +191,7 @@ void CellSides::smooth() {
     waiting.erase(std::remove_if(waiting.begin(), waiting.end(), is_changed), waiting.end());
     for (const std::int32_t cell : changed) {
       gains[cell] = 0.0;
-      if (!has_pair(cell)) continue;
+      if (!has_pair(cell) || turns[cell] == kMostTurns) continue;
       const Exchange found = exchange(cell);
       gains[cell] = found.gain;
       if (found.gain > 0.0) waiting.push_back(found);
@@ -206,6 +209,7 @@ void CellSides::smooth() {
       const Exchange& exchange = waiting[place];
       const auto [own, other] = halves(exchange.cell);
       sides_[exchange.cell] ^= 1;
+      ++turns[exchange.cell];
       change(exchange.cell);
       for (const std::int32_t next : exchange.near) change(next);
       go_round(exchange.cell, own, other, change);  // here there was an edge of the boundary,

@@ -54,7 +54,7 @@ class NormalCloud:
         """
         restored = self.to_input(points)
         here = np.all(points == self.samples[nearest], axis=1)
-        restored[here] = given[self.source[nearest[here]]]
+        restored[here] = given[self.source[nearest[here]]] + 0.0  # whichever zero came first
         return restored
 
     def without(self, left_out: Booleans) -> NormalCloud:

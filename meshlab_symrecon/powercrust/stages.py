@@ -33,6 +33,7 @@ class Stages:
             To be told the share of the stage that is done, 0 to 1.
         """
         self._finish()
+        until = max(until, self._done)  # a stage may come again
         low, self._done = self._done, until
         self._current, self._started = stage, time.perf_counter()
         self._progress(low, stage)

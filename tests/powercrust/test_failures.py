@@ -6,7 +6,7 @@ import shapes
 from scipy.spatial import cKDTree
 
 from meshlab_symrecon.geometry.surfaces import enclosed_volume
-from meshlab_symrecon.powercrust import reconstruct
+from meshlab_symrecon.powercrust import Recipe, reconstruct
 
 TORUS_VOLUME = 2 * np.pi**2 * 0.4**2
 
@@ -166,3 +166,52 @@ def test_four_points_and_a_tetrahedron_with_its_centre(extra):
     crust = reconstruct(samples)
     assert_solid(crust, 1 / 6, rel=1e-12)
     assert crust.hull
+
+
+def latitudes(rings):
+    turn, height = np.meshgrid(
+        np.linspace(0, 2 * np.pi, 2 * rings, endpoint=False), np.linspace(0, np.pi, rings)
+    )
+    turn, height = turn.ravel(), height.ravel()
+    ring = np.sin(height)
+    return np.stack([ring * np.cos(turn), ring * np.sin(turn), np.cos(height)], axis=1)
+
+
+def helix():
+    turn = np.linspace(0, 20 * np.pi, 1000)
+    return np.stack([np.cos(turn), np.sin(turn), turn / 20], axis=1)
+
+
+def doubled(shift):
+    samples = shapes.torus(1500, seed=9)
+    return np.concatenate([samples, samples + shift])
+
+
+@pytest.mark.parametrize("surface", ["power crust", "interpolating"])
+@pytest.mark.parametrize(
+    "samples",
+    [latitudes(3), latitudes(8), latitudes(20), helix(), doubled(1e-12), doubled(1e-16)],
+    ids=["three latitudes", "eight", "twenty", "a curve", "twice", "twice but for rounding"],
+)
+@pytest.mark.filterwarnings("error")
+def test_slivers_everywhere(surface, samples):
+    """Nothing but cospherical or nearly equal points, whose cells are all nearly flat."""
+    assert_closed(reconstruct(samples, Recipe(surface=surface)))
+
+
+def test_either_zero_is_the_same_zero():
+    samples = np.round(shapes.torus(2000, seed=10), 2)
+    samples = np.concatenate([samples, samples * [1, 1, -1], -samples])
+    shuffled = samples[np.random.default_rng(0).permutation(len(samples))]
+    one, other = reconstruct(samples), reconstruct(shuffled)
+    assert one.points.tobytes() == other.points.tobytes()
+
+
+def test_progress_never_falls_even_when_outliers_are_left_out():
+    rng = np.random.default_rng(11)
+    samples = np.concatenate([shapes.torus(2000, seed=11), rng.uniform(-1.5, 1.5, (100, 3))])
+    told = []
+    crust = reconstruct(samples, progress=lambda share, stage: told.append(share))
+    assert crust.outliers > 0
+    assert told == sorted(told)
+    assert told[-1] == 1.0
