@@ -18,6 +18,7 @@ from meshlab_symrecon.geometry.surfaces import face_components
 __all__ = ["Caps", "farthest_points", "find_caps"]
 
 EXPLAINED = 1.5  # spacings: about one in a hundred triangles of random samples is farther off
+FLAT = 1e-12  # height of a triangle over its longest side, squared
 STEPS = 4  # of the grid over a large triangle
 
 
@@ -133,7 +134,7 @@ def farthest_points(points: Points, faces: Faces) -> tuple[Points, Floats]:
     obtuse = left + from_left[:, None] * base
     # the circumcentre lies on the base's bisector, where it is as far from the top as from the ends
     up = to_top - foot[:, None] * base
-    rise = 0.5 * (1.0 - foot * (1.0 - foot) / np.maximum(height, np.finfo(float).tiny))
+    rise = 0.5 * (1.0 - foot * (1.0 - foot) / np.maximum(height, FLAT))
     acute = 0.5 * (left + right) + rise[:, None] * up
     farthest = np.where((rise > 0.0)[:, None], acute, obtuse)
     reach = np.linalg.norm(corners - farthest[:, None], axis=2).min(axis=1)
