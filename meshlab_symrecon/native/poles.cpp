@@ -9,6 +9,9 @@
 namespace symrecon {
 namespace {
 
+// A sample amid three in its plane may have no other neighbour near: the fourth then lies across the body.
+constexpr double kFarFourth = 3.0;  // distances of the third
+
 Point arm(const Site& from, const Point& to) { return {to.x - from.x, to.y - from.y, to.z - from.z}; }
 
 double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
@@ -154,7 +157,10 @@ Spacings sample_spacings(const std::vector<Site>& sites, View<Quad> cells,
     const Nearest& found = nearest[sample];
     double sum = 0.0;
     int count = 0;
-    for (; count < 4 && found.who[count] >= 0; ++count) sum += std::sqrt(found.square[count]);
+    for (; count < 4 && found.who[count] >= 0; ++count) {
+      if (count == 3 && found.square[3] > kFarFourth * kFarFourth * found.square[2]) break;
+      sum += std::sqrt(found.square[count]);
+    }
     spacings.next[sample] = std::sqrt(found.square[0]);
     spacings.mean[sample] = count > 0 ? sum / count : found.square[0];
   }

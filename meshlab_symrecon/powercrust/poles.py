@@ -40,7 +40,8 @@ class Poles:
     spacing : (n,) float
         Distance of each sample to the next one.
     room : (n,) float
-        Mean distance of each sample to the four nearest of its Delaunay neighbours.
+        Mean distance of each sample to the four nearest of its Delaunay neighbours, or to three
+        where the fourth is on another side of the body.
     """
 
     sites: Points

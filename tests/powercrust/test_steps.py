@@ -71,6 +71,6 @@ def test_spacing_is_the_distance_to_the_nearest_sample():
     poles = find_poles(delaunay(enclose(samples)), len(samples))
     apart = cKDTree(samples).query(samples, k=5)[0]
     np.testing.assert_array_equal(poles.spacing, apart[:, 1])
-    # not all of the four nearest samples are Delaunay neighbours, but most are
-    assert np.all(poles.room >= apart[:, 1:].mean(axis=1) * (1 - 1e-12))
+    # most of the four nearest samples are Delaunay neighbours; a far fourth does not count
+    assert np.all(poles.room >= apart[:, 1:4].mean(axis=1) * (1 - 1e-12))
     assert np.median(poles.room / apart[:, 1:].mean(axis=1)) < 1.001
