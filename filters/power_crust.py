@@ -38,7 +38,7 @@ class Parameters(ParameterSet):
         SURFACES,
         "Surface",
         "'power crust': the walls between inner and outer balls, about four triangles a point, "
-        "which average noise and bend with the surface. 'interpolating': triangles between the "
+        "which noise tangles least. 'interpolating': triangles between the "
         "measured points themselves, two a point, so that every vertex is a point of the scan.",
     )
     labelling: str = choice(
