@@ -19,7 +19,7 @@ from meshlab_symrecon.powercrust.poles import Poles
 __all__ = ["NoiseLimits", "drop_small_balls", "noise_limits", "relative_sizes"]
 
 ROUND = 3.0  # spacings: the larger ball of a sample of a surface is larger
-SOME_NOISE = 0.15  # share of samples with two small balls; finely detailed clean clouds reach 0.11
+SOME_NOISE = 0.12  # share of samples with two small balls; finely detailed clean clouds reach 0.11
 UNEVEN = 1.5  # times the usual spacing of the samples on a ball: more says nothing of the ball
 THIN, THICK = 1.0, 1.5  # a handle needs a ball of this size: of clean samples, of noisy ones
 MUCH_NOISE = 0.5  # the same where the noise is as wide as the spacing
