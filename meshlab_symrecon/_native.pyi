@@ -183,3 +183,76 @@ def power_shape(
     radii: NDArray[np.float64],
     redundancy: float,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]: ...
+
+class NearestField:
+    def __init__(
+        self,
+        points: NDArray[np.float64],
+        table: NDArray[np.int32],
+        origin: NDArray[np.float64],
+        cell: float,
+    ) -> None: ...
+    @property
+    def shape(self) -> tuple[int, int, int]: ...
+    @property
+    def cell(self) -> float: ...
+    def lookup(self, places: NDArray[np.float64]) -> NDArray[np.int32]: ...
+    def closest(self, places: NDArray[np.float64]) -> NDArray[np.int32]: ...
+
+class EvidenceRules:
+    def __init__(
+        self,
+        *,
+        tolerance: float,
+        no_direction: float,
+        full_direction: float,
+        sideways: float,
+        near_plane: float,
+        no_match: float,
+        rim_reach: float,
+        least_gap: float,
+        far: float,
+        beyond: float,
+    ) -> None: ...
+
+class RefinementRules:
+    def __init__(
+        self,
+        *,
+        reach: float,
+        no_direction: float,
+        full_direction: float,
+        point_share: float,
+        ridge: float,
+        largest_turn: float,
+        settled: float,
+        fewest: int,
+    ) -> None: ...
+
+def examine(
+    planes: NDArray[np.float64],
+    queries: NDArray[np.int32],
+    distinctness: NDArray[np.float64],
+    field: NearestField,
+    normals: NDArray[np.float64],
+    oriented: NDArray[np.uint8],
+    border_distance: NDArray[np.float64],
+    exact: bool,
+    rules: EvidenceRules,
+) -> NDArray[np.float64]: ...
+def refine_planes(
+    planes: NDArray[np.float64],
+    queries: NDArray[np.int32],
+    tolerances: NDArray[np.float64],
+    field: NearestField,
+    normals: NDArray[np.float64],
+    exact: bool,
+    rules: RefinementRules,
+) -> NDArray[np.float64]: ...
+def mirror_pairs(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    oriented: NDArray[np.uint8],
+    shortest: float,
+    least_cosine: float,
+) -> NDArray[np.int32]: ...

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 
+from meshlab_symrecon._native import NearestField
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
 
 __all__ = [
@@ -158,34 +157,6 @@ def border_points(points: Points, normals: Points, neighbours: int = 24) -> Bool
     return border
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class NearestField:
-    """Nearest points of a cloud on a grid: one table lookup a query, right to about a cell."""
-
-    points: Points  # (n, 3)  the cloud
-    neighbours: Indices  # (n, 8)  nearest points of each point, itself included
-    indices: Indices  # (a, b, c)  point nearest to the centre of each cell
-    origin: Floats  # (3,)  centre of the first cell
-    cell: float  # edge of a cell
-
-    def lookup(self, places: Floats) -> Indices:
-        """Return the index of a point near each place, of shape ``places.shape[:-1]``."""
-        cells = np.rint((places - self.origin) * (1.0 / self.cell)).astype(np.int32)
-        a, b, c = self.indices.shape
-        rows = np.clip(cells[..., 0], 0, a - 1) * b + np.clip(cells[..., 1], 0, b - 1)
-        keys = rows * c + np.clip(cells[..., 2], 0, c - 1)
-        found: Indices = self.indices.reshape(-1)[keys]
-        return found
-
-    def closest(self, places: Floats) -> Indices:
-        """Return the closest among the looked-up point and its neighbours: exact near the cloud."""
-        options = self.neighbours[self.lookup(places)]
-        gaps = self.points[options] - places[..., np.newaxis, :]
-        nearest = np.argmin(np.einsum("...i,...i->...", gaps, gaps), axis=-1)
-        found: Indices = np.take_along_axis(options, nearest[..., np.newaxis], axis=-1)[..., 0]
-        return found
-
-
 def nearest_field(points: Points, cell: float, margin: float, most_cells: int) -> NearestField:
     """Tabulate the nearest points of a cloud by an exact distance transform.
 
@@ -203,7 +174,8 @@ def nearest_field(points: Points, cell: float, margin: float, most_cells: int) -
     Returns
     -------
     NearestField
-        The table.
+        ``lookup(places)`` gives a point near each of the places (m, 3), right to about a cell;
+        ``closest(places)`` the closest one.
     """
     low = points.min(axis=0) - margin
     widths = points.max(axis=0) + margin - low
@@ -216,5 +188,4 @@ def nearest_field(points: Points, cell: float, margin: float, most_cells: int) -
     empty = (occupants < 0).reshape(tuple(shape))
     a, b, c = distance_transform_edt(empty, return_distances=False, return_indices=True)
     nearest = occupants[(a.astype(np.int64) * shape[1] + b) * shape[2] + c]
-    neighbours = cKDTree(points).query(points, k=min(8, len(points)))[1].reshape(len(points), -1)
-    return NearestField(points, neighbours, nearest, low, cell)
+    return NearestField(np.ascontiguousarray(points), nearest.astype(np.int32), low, cell)

@@ -8,6 +8,7 @@ namespace symrecon {
 void bind_crust(nanobind::module_& module);
 void bind_noise(nanobind::module_& module);
 void bind_labels(nanobind::module_& module);
+void bind_symmetry(nanobind::module_& module);
 void bind_surfaces(nanobind::module_& module);
 
 }  // namespace symrecon

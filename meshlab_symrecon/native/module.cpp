@@ -138,4 +138,5 @@ NB_MODULE(_native, module) {
   bind_noise(module);
   bind_labels(module);
   bind_surfaces(module);
+  bind_symmetry(module);
 }

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Floats, Planes
 from meshlab_symrecon.symmetry.preparation import PreparedCloud
 
 __all__ = ["Candidates", "pair_planes", "vote"]
 
 SHORTEST_PAIR = 0.08  # diagonals: the error of a sample tilts the plane of a shorter pair too much
-NORMAL_TOLERANCE = np.cos(np.radians(12.0))  # between a normal and the mirror image of its partner
+NORMAL_TOLERANCE = float(np.cos(np.radians(12.0)))  # between a normal and its partner's mirror image
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +50,7 @@ def vote(cloud: PreparedCloud, count: int, most: int, rng: np.random.Generator) 
     cloud : PreparedCloud
         The cloud.
     count : int
-        Number of samples, O(count^2) time and memory.
+        Number of samples, O(count^2) time.
     most : int
         Largest number of candidates; a random choice among more.
     rng : numpy.random.Generator
@@ -61,24 +62,15 @@ def vote(cloud: PreparedCloud, count: int, most: int, rng: np.random.Generator) 
         Possibly none.
     """
     samples = cloud.samples[:count]
-    points, normals, oriented = (
-        cloud.points[samples],
+    points = cloud.points[samples]
+    pairs = _native.mirror_pairs(
+        points,
         cloud.normals[samples],
-        cloud.oriented[samples],
+        cloud.oriented[samples].view(np.uint8),
+        SHORTEST_PAIR,
+        NORMAL_TOLERANCE,
     )
-    squares = (points**2).sum(axis=1)
-    lengths = squares[:, np.newaxis] + squares - 2.0 * points @ points.T
-    np.fill_diagonal(lengths, 0.0)
-    heights = points @ normals.T  # p_i . N_j
-    own = np.diagonal(heights)
-    # (I - 2 n n^T) N_i . N_j  with  n = (p_i - p_j) / |p_i - p_j|
-    products = (own[:, np.newaxis] - heights.T) * (heights - own)
-    agreement = normals @ normals.T - 2.0 * products / np.maximum(lengths, SHORTEST_PAIR**2)
-    signed = oriented[:, np.newaxis] & oriented
-    agreement = np.where(signed, agreement, np.abs(agreement))
-    accepted = (agreement > NORMAL_TOLERANCE) & (lengths > SHORTEST_PAIR**2)
-    first, second = np.nonzero(np.triu(accepted, 1))
-    if len(first) > most:
-        chosen = np.sort(rng.choice(len(first), most, replace=False))
-        first, second = first[chosen], second[chosen]
+    if len(pairs) > most:
+        pairs = pairs[np.sort(rng.choice(len(pairs), most, replace=False))]
+    first, second = pairs.T
     return Candidates(pair_planes(points[first], points[second]))

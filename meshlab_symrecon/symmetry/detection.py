@@ -24,7 +24,7 @@ from meshlab_symrecon.symmetry.confidence import (
 )
 from meshlab_symrecon.symmetry.embedding import embed_planes
 from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
-from meshlab_symrecon.symmetry.refinement import Lookup, Schedule, refine_planes
+from meshlab_symrecon.symmetry.refinement import Schedule, refine_planes
 from meshlab_symrecon.symmetry.verification import Evidence, examine
 
 __all__ = [
@@ -206,7 +206,7 @@ def verified_planes(
     candidates = vote(cloud, options.sample_count, MOST_CANDIDATES, rng)
     report(0.5, "clustering the votes")
     planes, converged = _exemplars(cloud, candidates.planes)
-    evidence = examine(planes, cloud, 1, cloud.field.lookup, TOLERANCE)
+    evidence = examine(planes, cloud, 1, TOLERANCE, exact=False)
     for number, stage in enumerate(CASCADE):
         report(0.7 + 0.1 * number, "refining and verifying planes")
         planes, evidence = _pass_stage(cloud, planes, evidence, stage)
@@ -229,7 +229,7 @@ def _exemplars(cloud: PreparedCloud, planes: Planes) -> tuple[Planes, bool]:
     The preference of a candidate is its support in a quick look, so that exemplars sit where the
     cloud confirms them.
     """
-    quick = examine(planes, cloud, QUICK_QUERIES, cloud.field.lookup, QUICK_TOLERANCE)
+    quick = examine(planes, cloud, QUICK_QUERIES, QUICK_TOLERANCE, exact=False)
     votes = quick.support - quick.contradiction
     order = np.argsort(-votes, kind="stable")
     places = embed_planes(planes[order], cloud.root_covariance)
@@ -252,13 +252,10 @@ def _pass_stage(
 ) -> tuple[Planes, Evidence]:
     """Refine planes, verify them, and keep the best that differ; best first."""
     queries = cloud.samples[: stage.queries]
-    nearest: Lookup = cloud.field.closest if stage.exact else cloud.field.lookup
-    surface = cloud.points, cloud.normals
-    mirrored = cloud.points[queries], cloud.normals[queries]
     last = np.clip(stage.breadth * evidence.residual, max(stage.last, cloud.spacing), BROADEST)
     schedule = Schedule(stage.steps, np.maximum(stage.first, last), last)
-    planes = refine_planes(planes, mirrored, surface, nearest, schedule)
-    evidence = examine(planes, cloud, stage.queries, nearest, TOLERANCE)
+    planes = refine_planes(planes, queries, cloud, schedule, exact=stage.exact)
+    evidence = examine(planes, cloud, stage.queries, TOLERANCE, exact=stage.exact)
     kept = distinct_planes(planes, merit(evidence), SAME)[: stage.kept]
     return planes[kept], evidence.take(kept)
 

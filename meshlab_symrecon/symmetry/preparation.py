@@ -114,7 +114,7 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
         normals=directions,
         oriented=oriented,
         border=border,
-        border_distance=np.broadcast_to(rims, len(places)),
+        border_distance=np.broadcast_to(rims, len(places)).copy(),
         samples=samples,
         distinctness=_distinctness(places[samples], directions[samples]),
         root_covariance=(vectors * np.sqrt(np.maximum(variances, 0.0))) @ vectors.T,

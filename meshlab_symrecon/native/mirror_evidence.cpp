@@ -1,0 +1,91 @@
+#include "mirror_evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace symrecon {
+namespace {
+
+constexpr double tiny = std::numeric_limits<double>::min();
+
+// A mirror image beside the surface point it falls on.
+struct Landing {
+  double distance;    // to that point
+  double off_square;  // to its tangent plane, squared
+  double aside_square;  // along that plane, squared
+  double cosine;        // between the normals
+  double border_distance;
+};
+
+Landing land(const SurfacePoint& query, double height, const Position& normal, const MirrorCloud& cloud) {
+  const Position image = mirrored(query.place, height, normal);
+  const SurfacePoint& partner = cloud.partner(image);
+  const Position gap = minus(image, partner.place);
+  const double square = dot(gap, gap), off = dot(gap, partner.normal);
+  const double cosine = mirrored_cosine(query.normal, partner.normal, normal);
+  return {std::sqrt(square), off * off, std::max(square - off * off, 0.0),
+          query.oriented && partner.oriented ? cosine : std::abs(cosine), partner.border_distance};
+}
+
+// How well an image matches the surface, 0 to 1.
+double match(const Landing& landing, const EvidenceRules& rules) {
+  if (landing.aside_square > rules.sideways * rules.sideways) return 0.0;
+  const double direction = ramp(landing.cosine, rules.no_direction, rules.full_direction);
+  if (direction == 0.0) return 0.0;
+  return direction * std::exp(-0.5 * landing.off_square / (rules.tolerance * rules.tolerance));
+}
+
+// Points near the plane match themselves.
+double weight(double height, const EvidenceRules& rules) { return std::min(1.0, std::abs(height) / rules.near_plane); }
+
+bool near_rim(const Landing& landing, const EvidenceRules& rules) {
+  return landing.border_distance <= rules.rim_reach * landing.distance;
+}
+
+// The image may have fallen into a hole.
+bool excused(const Landing& landing, double worth, const EvidenceRules& rules) {
+  return landing.distance > rules.least_gap && worth < rules.no_match && near_rim(landing, rules);
+}
+
+bool contradicts(const Landing& landing, const EvidenceRules& rules) {
+  return landing.distance > rules.far && landing.distance < rules.beyond && !near_rim(landing, rules);
+}
+
+struct Sums {
+  double total = 0.0, judged = 0.0, matched = 0.0, contradicted = 0.0, squares = 0.0;
+
+  Evidence shares() const {
+    return {matched / std::max(total, tiny), matched / std::max(judged, tiny), contradicted / std::max(total, tiny),
+            std::sqrt(squares / std::max(matched, tiny))};
+  }
+};
+
+Evidence examine(const Plane& plane, const MirrorCloud& cloud, View<SurfacePoint> queries, View<double> distinctness,
+                 const EvidenceRules& rules) {
+  Sums sums;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const double height = plane.height(queries[i].place), counts = weight(height, rules);
+    const Landing landing = land(queries[i], height, plane.normal, cloud);
+    const double worth = match(landing, rules);
+    sums.total += counts;
+    sums.matched += counts * worth;
+    sums.squares += counts * worth * landing.off_square;
+    if (!excused(landing, worth, rules)) sums.judged += counts;
+    if (contradicts(landing, rules)) sums.contradicted += counts * distinctness[i];
+  }
+  return sums.shares();
+}
+
+}  // namespace
+
+std::vector<Evidence> examine(View<Plane> planes, const MirrorCloud& cloud, View<std::int32_t> queries,
+                              View<double> distinctness, const EvidenceRules& rules) {
+  std::vector<SurfacePoint> asked;
+  for (const std::int32_t query : queries) asked.push_back(cloud.points[query]);
+  std::vector<Evidence> found;
+  for (const Plane& plane : planes) found.push_back(examine(plane, cloud, asked, distinctness, rules));
+  return found;
+}
+
+}  // namespace symrecon
