@@ -6,6 +6,7 @@
 #include "mirror_refinement.hpp"
 #include "nearest_field.hpp"
 #include "numpy_borders.hpp"
+#include "relief.hpp"
 
 namespace symrecon {
 namespace {
@@ -70,6 +71,27 @@ nb::ndarray<nb::numpy, double> examine_planes(PlaneArray planes, Row<std::int32_
   }));
 }
 
+nb::tuple landings_of(PlaneArray planes, Row<std::int32_t> queries, const NearestField& field, Rows<double, 3> normals,
+                      Row<std::uint8_t> oriented, Row<double> border_distance, bool exact,
+                      const EvidenceRules& rules) {
+  require_points(field.size(), {normals.shape(0), oriented.shape(0), border_distance.shape(0)});
+  Landings found = without_gil([&] {
+    require_known(view(queries), field.size());
+    MirrorCloud cloud{field, {}, exact};
+    for (std::size_t i = 0; i < field.size(); ++i)
+      cloud.points.push_back(
+          {field.point(i), view(normals)[i], border_distance.data()[i], oriented.data()[i] != 0});
+    return landings(view_planes(planes), cloud, view(queries), rules);
+  });
+  return nb::make_tuple(give(std::move(found.partners)), give(std::move(found.worth)), give(std::move(found.excused)));
+}
+
+nb::ndarray<nb::numpy, double> relief_of(Rows<double, 3> points, Rows<double, 3> normals, double radius) {
+  require_points(points.shape(0), {normals.shape(0)});
+  if (!(radius > 0.0)) throw std::invalid_argument("a radius is positive");
+  return give(without_gil([&] { return relief(view(points), view(normals), radius); }));
+}
+
 nb::ndarray<nb::numpy, double> refine_each(PlaneArray planes, Row<std::int32_t> queries, Row<double> tolerances,
                                            const NearestField& field, Rows<double, 3> normals, bool exact,
                                            const RefinementRules& rules) {
@@ -130,6 +152,11 @@ void bind_symmetry(nb::module_& module) {
   module.def("examine", &examine_planes, nb::arg("planes"), nb::arg("queries"), nb::arg("distinctness"),
              nb::arg("field"), nb::arg("normals"), nb::arg("oriented"), nb::arg("border_distance"), nb::arg("exact"),
              nb::arg("rules"), "Support, agreement, contradiction and residual of each plane.");
+  module.def("landings", &landings_of, nb::arg("planes"), nb::arg("queries"), nb::arg("field"), nb::arg("normals"),
+             nb::arg("oriented"), nb::arg("border_distance"), nb::arg("exact"), nb::arg("rules"),
+             "Partner, worth of the match and excuse of each query's mirror image, a row of queries a plane.");
+  module.def("relief", &relief_of, nb::arg("points"), nb::arg("normals"), nb::arg("radius"),
+             "Height of the centroid of each point's ball above its tangent plane, in radii.");
   module.def("refine_planes", &refine_each, nb::arg("planes"), nb::arg("queries"), nb::arg("tolerances"),
              nb::arg("field"), nb::arg("normals"), nb::arg("exact"), nb::arg("rules"),
              "Planes moved to where the mirrored queries fit the cloud best.");

@@ -24,9 +24,7 @@ struct MirrorCloud {
   std::vector<SurfacePoint> points;
   bool exact;  // partners are the closest points, not those of the table
 
-  const SurfacePoint& partner(const Position& image) const {
-    return points[exact ? field.closest(image) : field.lookup(image)];
-  }
+  std::int32_t partner(const Position& image) const { return exact ? field.closest(image) : field.lookup(image); }
 };
 
 // The plane  { x : normal . x + offset = 0 }.

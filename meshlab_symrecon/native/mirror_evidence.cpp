@@ -16,16 +16,19 @@ struct Landing {
   double aside_square;  // along that plane, squared
   double cosine;        // between the normals
   double border_distance;
+  std::int32_t partner;
 };
 
 Landing land(const SurfacePoint& query, double height, const Position& normal, const MirrorCloud& cloud) {
   const Position image = mirrored(query.place, height, normal);
-  const SurfacePoint& partner = cloud.partner(image);
+  const std::int32_t index = cloud.partner(image);
+  const SurfacePoint& partner = cloud.points[index];
   const Position gap = minus(image, partner.place);
   const double square = dot(gap, gap), off = dot(gap, partner.normal);
   const double cosine = mirrored_cosine(query.normal, partner.normal, normal);
   return {std::sqrt(square), off * off, std::max(square - off * off, 0.0),
-          query.oriented && partner.oriented ? cosine : std::abs(cosine), partner.border_distance};
+          query.oriented && partner.oriented ? cosine : std::abs(cosine), partner.border_distance,
+          index};
 }
 
 // How well an image matches the surface, 0 to 1.
@@ -85,6 +88,21 @@ std::vector<Evidence> examine(View<Plane> planes, const MirrorCloud& cloud, View
   for (const std::int32_t query : queries) asked.push_back(cloud.points[query]);
   std::vector<Evidence> found;
   for (const Plane& plane : planes) found.push_back(examine(plane, cloud, asked, distinctness, rules));
+  return found;
+}
+
+Landings landings(View<Plane> planes, const MirrorCloud& cloud, View<std::int32_t> queries,
+                  const EvidenceRules& rules) {
+  Landings found;
+  for (const Plane& plane : planes)
+    for (const std::int32_t query : queries) {
+      const SurfacePoint& point = cloud.points[query];
+      const Landing landing = land(point, plane.height(point.place), plane.normal, cloud);
+      const double worth = match(landing, rules);
+      found.partners.push_back(landing.partner);
+      found.worth.push_back(worth);
+      found.excused.push_back(excused(landing, worth, rules));
+    }
   return found;
 }
 

@@ -34,4 +34,13 @@ struct Evidence {
 std::vector<Evidence> examine(View<Plane> planes, const MirrorCloud& cloud, View<std::int32_t> queries,
                               View<double> distinctness, const EvidenceRules& rules);
 
+// Where the mirror image of each query falls, a row of queries a plane.
+struct Landings {
+  std::vector<std::int32_t> partners;  // point of the cloud
+  std::vector<double> worth;           // of the match, 0 to 1
+  std::vector<std::uint8_t> excused;   // it may have fallen into a hole
+};
+
+Landings landings(View<Plane> planes, const MirrorCloud& cloud, View<std::int32_t> queries, const EvidenceRules& rules);
+
 }  // namespace symrecon

@@ -39,7 +39,7 @@ __all__ = [
 Progress: TypeAlias = Callable[[float, str], None]
 
 # Lengths are in diagonals of the prepared cloud.
-MOST_CANDIDATES = 16_000
+MOST_CANDIDATES = 30_000
 QUICK_QUERIES = 96  # enough to put candidates in an order
 QUICK_TOLERANCE = 0.025
 BANDWIDTH = 0.02  # H: planes whose mirror images differ less vote for the same symmetry
@@ -51,7 +51,7 @@ PREFERENCE = 10.0  # H^2: an exemplar stands for planes up to about 3 H away
 DAMPING = 0.7
 MOST_ITERATIONS = 200
 CALM_ITERATIONS = 15
-MOST_EXEMPLARS = 300
+MOST_EXEMPLARS = 500
 SAME = (np.radians(3.0), 0.02)  # angle and offset of planes that nearly repeat each other
 VARIANT = (np.radians(8.0), 0.06)  # and of two of which at most one is true
 TOLERANCE = 0.006  # of a match in verification
@@ -74,10 +74,10 @@ class _Stage:
 
 
 CASCADE = (
-    _Stage(400, steps=6, first=0.04, last=0.015, breadth=0.0, kept=64, exact=False),
-    _Stage(1_000, steps=12, first=0.03, last=FINEST, breadth=0.0, kept=24, exact=False),
+    _Stage(400, steps=6, first=0.04, last=0.015, breadth=0.0, kept=96, exact=False),
+    _Stage(1_000, steps=12, first=0.03, last=FINEST, breadth=0.0, kept=32, exact=False),
     # A shape that is symmetric only to some extent is fitted that much more broadly.
-    _Stage(QUERIES, steps=12, first=0.015, last=FINEST, breadth=6.0, kept=24, exact=True),
+    _Stage(QUERIES, steps=12, first=0.015, last=FINEST, breadth=6.0, kept=32, exact=True),
 )
 
 
