@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "crust.hpp"
@@ -24,8 +25,9 @@ struct MirrorCloud {
   std::vector<SurfacePoint> points;
   bool exact;  // partners are the closest points, not those of the table
 
-  const SurfacePoint& partner(const Position& image) const {
-    return points[exact ? field.closest(image) : field.lookup(image)];
+  // Where an image falls; beyond the distance `within` any point that far may stand for the closest one.
+  const SurfacePoint& partner(const Position& image, double within = std::numeric_limits<double>::infinity()) const {
+    return points[exact ? field.closest(image, within) : field.lookup(image)];
   }
 };
 

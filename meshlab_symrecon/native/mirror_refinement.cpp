@@ -104,7 +104,7 @@ NormalEquations normal_equations(const Plane& plane, const Frame& frame, const M
   for (const SurfacePoint& query : queries) {
     const double height = plane.height(query.place);
     const Position image = mirrored(query.place, height, plane.normal);
-    const SurfacePoint& partner = cloud.partner(image);
+    const SurfacePoint& partner = cloud.partner(image, rules.reach * tolerance);
     const Position gap = minus(image, partner.place);
     const double cosine = mirrored_cosine(query.normal, partner.normal, plane.normal);
     const double weight = pair_weight(dot(gap, gap), cosine, tolerance, rules);

@@ -1,13 +1,16 @@
 // Nearest points of a cloud: from a table, right to about a cell, or exactly.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "crust.hpp"
 #include "point_tree.hpp"
+#include "vectors.hpp"
 #include "view.hpp"
 
 namespace symrecon {
@@ -29,8 +32,12 @@ class NearestField {
     return table_[static_cast<std::size_t>((row(place, 0) * width_[1] + row(place, 1)) * width_[2] + row(place, 2))];
   }
 
-  // The point closest to a place.
-  std::int32_t closest(const Position& place) const { return tree_.closest(place, lookup(place)); }
+  // The point closest to a place; where none is nearer than `within`, one that is not.
+  std::int32_t closest(const Position& place, double within = std::numeric_limits<double>::infinity()) const {
+    const std::int32_t guess = lookup(place);
+    const Position gap = minus(points_[guess], place);
+    return tree_.closest(place, guess, std::min(dot(gap, gap), within * within));
+  }
 
  private:
   double row(const Position& place, int axis) const {

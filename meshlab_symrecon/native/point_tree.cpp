@@ -8,18 +8,8 @@
 namespace symrecon {
 namespace {
 
-constexpr std::size_t leaf = 8;  // points that are looked at one by one
-
-int widest_axis(View<Position> points, const std::int32_t* begin, const std::int32_t* end) {
-  Position low = points[*begin], high = low;
-  for (const std::int32_t* point = begin; point != end; ++point)
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], points[*point][axis]);
-      high[axis] = std::max(high[axis], points[*point][axis]);
-    }
-  const Position widths = minus(high, low);
-  return int(std::max_element(widths.begin(), widths.end()) - widths.begin());
-}
+constexpr std::size_t largest_leaf = 8;
+constexpr int deepest = 64;
 
 }  // namespace
 
@@ -28,70 +18,87 @@ struct PointTree::Search {
   double square;  // distance of the best so far, squared
   std::int32_t best;
 
-  void offer(const Position& candidate, std::int32_t index) {
-    const Position gap = minus(candidate, place);
-    const double found = dot(gap, gap);
-    if (found > square || (found == square && index >= best)) return;
-    square = found;
-    best = index;
+  // No point in the box is nearer.
+  double square_to(const Box& box) const {
+    double square = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double outside = std::max({box.low[axis] - place[axis], place[axis] - box.high[axis], 0.0});
+      square += outside * outside;
+    }
+    return square;
   }
 };
 
-PointTree::PointTree(View<Position> points)
-    : places_(points.begin(), points.end()), order_(points.size()), axes_(points.size()), ranks_(points.size()) {
+PointTree::PointTree(View<Position> points) : leaves_(1), order_(points.size()) {
+  while (leaves_ * largest_leaf < points.size()) leaves_ *= 2;
+  boxes_.resize(2 * leaves_);
+  starts_.assign(leaves_ + 1, points.size());
   std::iota(order_.begin(), order_.end(), 0);
-  arrange(0, order_.size());
-  for (std::size_t rank = 0; rank < order_.size(); ++rank) {
-    places_[rank] = points[order_[rank]];
-    ranks_[order_[rank]] = std::int32_t(rank);
-  }
+  if (points.size() > 0) arrange(points, 1, 0, points.size());
+  for (int axis = 0; axis < 3; ++axis)
+    for (const std::int32_t point : order_) places_[axis].push_back(points[point][axis]);
 }
 
-void PointTree::arrange(std::size_t begin, std::size_t end) {
-  if (end - begin <= leaf) return;
-  const std::size_t middle = begin + (end - begin) / 2;
-  std::int32_t* const order = order_.data();
-  const int axis = widest_axis(places_, order + begin, order + end);
-  std::nth_element(order + begin, order + middle, order + end, [&](std::int32_t a, std::int32_t b) {
-    const double left = places_[a][axis], right = places_[b][axis];
-    return left < right || (left == right && a < b);
-  });
-  axes_[middle] = std::uint8_t(axis);
-  arrange(begin, middle);
-  arrange(middle + 1, end);
-}
-
-// `outside` tells by how much the place lies outside the range's slab along each axis, `square` the sum of its squares:
-// nothing in the range is nearer (Arya and Mount 1993).
-void PointTree::search(std::size_t begin, std::size_t end, const Position& outside, double square,
-                       Search& found) const {
-  if (square > found.square) return;
-  if (end - begin <= leaf) {
-    for (std::size_t rank = begin; rank < end; ++rank) found.offer(places_[rank], order_[rank]);
+// Halves a range of points along the widest axis of its box, until it is a leaf.
+void PointTree::arrange(View<Position> points, std::size_t node, std::size_t begin, std::size_t end) {
+  Box& box = boxes_[node] = {points[order_[begin]], points[order_[begin]]};
+  for (std::size_t place = begin; place < end; ++place)
+    for (int axis = 0; axis < 3; ++axis) {
+      box.low[axis] = std::min(box.low[axis], points[order_[place]][axis]);
+      box.high[axis] = std::max(box.high[axis], points[order_[place]][axis]);
+    }
+  if (node >= leaves_) {
+    starts_[node - leaves_] = begin;
     return;
   }
+  const Position widths = minus(box.high, box.low);
+  const auto axis = std::max_element(widths.begin(), widths.end()) - widths.begin();
   const std::size_t middle = begin + (end - begin) / 2;
-  const int axis = axes_[middle];
-  const double beyond = found.place[axis] - places_[middle][axis];
-  Position farther = outside;
-  farther[axis] = beyond;
-  const double farther_square = square - outside[axis] * outside[axis] + beyond * beyond;
-  if (beyond < 0.0) {
-    search(begin, middle, outside, square, found);
-    found.offer(places_[middle], order_[middle]);
-    search(middle + 1, end, farther, farther_square, found);
-  } else {
-    search(middle + 1, end, outside, square, found);
-    found.offer(places_[middle], order_[middle]);
-    search(begin, middle, farther, farther_square, found);
+  std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                   [&](std::int32_t a, std::int32_t b) {
+                     const double left = points[a][axis], right = points[b][axis];
+                     return left < right || (left == right && a < b);
+                   });
+  arrange(points, 2 * node, begin, middle);
+  arrange(points, 2 * node + 1, middle, end);
+}
+
+void PointTree::scan(std::size_t leaf, Search& search) const {
+  const std::size_t begin = starts_[leaf], count = starts_[leaf + 1] - begin;
+  double squares[largest_leaf];
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = places_[0][begin + i] - search.place[0], y = places_[1][begin + i] - search.place[1],
+                 z = places_[2][begin + i] - search.place[2];
+    squares[i] = x * x + y * y + z * z;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (squares[i] > search.square || (squares[i] == search.square && order_[begin + i] >= search.best)) continue;
+    search.square = squares[i];
+    search.best = order_[begin + i];
   }
 }
 
-std::int32_t PointTree::closest(const Position& place, std::int32_t guess) const {
-  const Position gap = minus(places_[ranks_[guess]], place);
-  Search found{place, dot(gap, gap), guess};
-  search(0, places_.size(), {0.0, 0.0, 0.0}, 0.0, found);
-  return found.best;
+std::int32_t PointTree::closest(const Position& place, std::int32_t guess, double limit) const {
+  Search search{place, limit, guess};
+  struct {
+    std::size_t node;
+    double square;
+  } waiting[deepest];  // the farther one of two children, on each level
+  int count = 0;
+  waiting[count++] = {1, search.square_to(boxes_[1])};
+  while (count > 0) {
+    auto [node, square] = waiting[--count];
+    while (square <= search.square && node < leaves_) {
+      const double left = search.square_to(boxes_[2 * node]), right = search.square_to(boxes_[2 * node + 1]);
+      const std::size_t nearer = 2 * node + (right < left);
+      waiting[count] = {nearer ^ 1, std::max(left, right)};
+      count += std::max(left, right) <= search.square;
+      node = nearer;
+      square = std::min(left, right);
+    }
+    if (square <= search.square) scan(node - leaves_, search);
+  }
+  return search.best;
 }
 
 }  // namespace symrecon
