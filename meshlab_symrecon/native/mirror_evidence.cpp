@@ -11,17 +11,15 @@ constexpr double tiny = std::numeric_limits<double>::min();
 
 // A mirror image beside the surface point it falls on.
 struct Landing {
-  double distance;    // to that point
-  double off_square;  // to its tangent plane, squared
+  double distance;      // to that point
+  double off_square;    // to its tangent plane, squared
   double aside_square;  // along that plane, squared
   double cosine;        // between the normals
   double border_distance;
 };
 
-Landing land(const SurfacePoint& query, double height, const Position& normal, const MirrorCloud& cloud) {
-  const Position image = mirrored(query.place, height, normal);
-  const SurfacePoint& partner = cloud.partner(image);
-  const Position gap = minus(image, partner.place);
+Landing land(const SurfacePoint& query, const Image& image, const SurfacePoint& partner, const Position& normal) {
+  const Position gap = minus(image.place, partner.place);
   const double square = dot(gap, gap), off = dot(gap, partner.normal);
   const double cosine = mirrored_cosine(query.normal, partner.normal, normal);
   return {std::sqrt(square), off * off, std::max(square - off * off, 0.0),
@@ -61,13 +59,12 @@ struct Sums {
   }
 };
 
-Evidence examine(const Plane& plane, const MirrorCloud& cloud, View<SurfacePoint> queries, View<double> distinctness,
-                 const EvidenceRules& rules) {
+Evidence judge(const Plane& plane, const MirrorCloud& cloud, View<SurfacePoint> queries, View<Image> images,
+               View<double> distinctness, const EvidenceRules& rules) {
   Sums sums;
   for (std::size_t i = 0; i < queries.size(); ++i) {
-    const double height = plane.height(queries[i].place), counts = weight(height, rules);
-    const Landing landing = land(queries[i], height, plane.normal, cloud);
-    const double worth = match(landing, rules);
+    const Landing landing = land(queries[i], images[i], cloud.points[images[i].partner], plane.normal);
+    const double counts = weight(images[i].height, rules), worth = match(landing, rules);
     sums.total += counts;
     sums.matched += counts * worth;
     sums.squares += counts * worth * landing.off_square;
@@ -84,7 +81,11 @@ std::vector<Evidence> examine(View<Plane> planes, const MirrorCloud& cloud, View
   std::vector<SurfacePoint> asked;
   for (const std::int32_t query : queries) asked.push_back(cloud.points[query]);
   std::vector<Evidence> found;
-  for (const Plane& plane : planes) found.push_back(examine(plane, cloud, asked, distinctness, rules));
+  std::vector<Image> images;
+  for (const Plane& plane : planes) {
+    cast_images(plane, cloud, asked, std::numeric_limits<double>::infinity(), images);
+    found.push_back(judge(plane, cloud, asked, images, distinctness, rules));
+  }
   return found;
 }
 

@@ -1,6 +1,7 @@
 #include "point_tree.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "vectors.hpp"
@@ -8,8 +9,35 @@
 namespace symrecon {
 namespace {
 
-constexpr std::size_t largest_leaf = 8;
-constexpr int deepest = 64;
+constexpr double nowhere = std::numeric_limits<double>::infinity();
+constexpr int most_waiting = 128;
+
+struct Box {
+  Position low{nowhere, nowhere, nowhere}, high{-nowhere, -nowhere, -nowhere};
+};
+
+Box box_of(View<Position> points, const std::int32_t* begin, const std::int32_t* end) {
+  Box box;
+  for (const std::int32_t* point = begin; point != end; ++point)
+    for (int axis = 0; axis < 3; ++axis) {
+      box.low[axis] = std::min(box.low[axis], points[*point][axis]);
+      box.high[axis] = std::max(box.high[axis], points[*point][axis]);
+    }
+  return box;
+}
+
+// Moves the smaller half of a range along the widest axis of its box to the front; ties go by index.
+std::int32_t* halve(View<Position> points, std::int32_t* begin, std::int32_t* end) {
+  const Box box = box_of(points, begin, end);
+  const Position widths = minus(box.high, box.low);
+  const auto axis = std::max_element(widths.begin(), widths.end()) - widths.begin();
+  std::int32_t* const middle = begin + (end - begin) / 2;
+  std::nth_element(begin, middle, end, [&](std::int32_t a, std::int32_t b) {
+    const double left = points[a][axis], right = points[b][axis];
+    return left < right || (left == right && a < b);
+  });
+  return middle;
+}
 
 }  // namespace
 
@@ -18,63 +46,62 @@ struct PointTree::Search {
   double square;  // distance of the best so far, squared
   std::int32_t best;
 
-  // No point in the box is nearer.
-  double square_to(const Box& box) const {
-    double square = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double outside = std::max({box.low[axis] - place[axis], place[axis] - box.high[axis], 0.0});
-      square += outside * outside;
-    }
-    return square;
+  // No point in a box is nearer than this.
+  void squares_to(const Boxes& boxes, double (&squares)[children]) const {
+    for (std::size_t child = 0; child < children; ++child) squares[child] = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+      for (std::size_t child = 0; child < children; ++child) {
+        const double below = boxes.low[axis][child] - place[axis], above = place[axis] - boxes.high[axis][child];
+        const double outside = std::max(std::max(below, above), 0.0);
+        squares[child] += outside * outside;
+      }
+  }
+
+  void scan(const Leaf& leaf) {
+    double squares[largest_leaf] = {}, least = nowhere;
+    for (int axis = 0; axis < 3; ++axis)
+      for (std::size_t i = 0; i < largest_leaf; ++i) {
+        const double apart = leaf.places[axis][i] - place[axis];
+        squares[i] += apart * apart;
+      }
+    for (std::size_t i = 0; i < largest_leaf; ++i) least = std::min(least, squares[i]);
+    if (least > square) return;
+    for (std::size_t i = 0; i < largest_leaf; ++i)
+      if (squares[i] == least && (least < square || leaf.points[i] < best)) {
+        square = least;
+        best = leaf.points[i];
+      }
   }
 };
 
-PointTree::PointTree(View<Position> points) : leaves_(1), order_(points.size()) {
-  while (leaves_ * largest_leaf < points.size()) leaves_ *= 2;
-  boxes_.resize(2 * leaves_);
-  starts_.assign(leaves_ + 1, points.size());
-  std::iota(order_.begin(), order_.end(), 0);
-  if (points.size() > 0) arrange(points, 1, 0, points.size());
-  for (int axis = 0; axis < 3; ++axis)
-    for (const std::int32_t point : order_) places_[axis].push_back(points[point][axis]);
+PointTree::PointTree(View<Position> points) {
+  std::size_t leaves = 1;
+  for (; leaves * largest_leaf < points.size(); leaves *= children) inner_.resize(inner_.size() + leaves);
+  leaves_.resize(leaves);
+  std::vector<std::int32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  arrange(points, 0, order.data(), order.data() + order.size());
 }
 
-// Halves a range of points along the widest axis of its box, until it is a leaf.
-void PointTree::arrange(View<Position> points, std::size_t node, std::size_t begin, std::size_t end) {
-  Box& box = boxes_[node] = {points[order_[begin]], points[order_[begin]]};
-  for (std::size_t place = begin; place < end; ++place)
-    for (int axis = 0; axis < 3; ++axis) {
-      box.low[axis] = std::min(box.low[axis], points[order_[place]][axis]);
-      box.high[axis] = std::max(box.high[axis], points[order_[place]][axis]);
+void PointTree::arrange(View<Position> points, std::size_t node, Range begin, Range end) {
+  if (node >= inner_.size()) {
+    Leaf& leaf = leaves_[node - inner_.size()];
+    for (auto& row : leaf.places) std::fill(std::begin(row), std::end(row), nowhere);
+    for (std::size_t i = 0; begin + i != end; ++i) {
+      for (int axis = 0; axis < 3; ++axis) leaf.places[axis][i] = points[begin[i]][axis];
+      leaf.points[i] = begin[i];
     }
-  if (node >= leaves_) {
-    starts_[node - leaves_] = begin;
     return;
   }
-  const Position widths = minus(box.high, box.low);
-  const auto axis = std::max_element(widths.begin(), widths.end()) - widths.begin();
-  const std::size_t middle = begin + (end - begin) / 2;
-  std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                   [&](std::int32_t a, std::int32_t b) {
-                     const double left = points[a][axis], right = points[b][axis];
-                     return left < right || (left == right && a < b);
-                   });
-  arrange(points, 2 * node, begin, middle);
-  arrange(points, 2 * node + 1, middle, end);
-}
-
-void PointTree::scan(std::size_t leaf, Search& search) const {
-  const std::size_t begin = starts_[leaf], count = starts_[leaf + 1] - begin;
-  double squares[largest_leaf];
-  for (std::size_t i = 0; i < count; ++i) {
-    const double x = places_[0][begin + i] - search.place[0], y = places_[1][begin + i] - search.place[1],
-                 z = places_[2][begin + i] - search.place[2];
-    squares[i] = x * x + y * y + z * z;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (squares[i] > search.square || (squares[i] == search.square && order_[begin + i] >= search.best)) continue;
-    search.square = squares[i];
-    search.best = order_[begin + i];
+  Range const middle = halve(points, begin, end);
+  const std::array<Range, 5> borders = {begin, halve(points, begin, middle), middle, halve(points, middle, end), end};
+  for (std::size_t child = 0; child < children; ++child) {
+    const Box box = box_of(points, borders[child], borders[child + 1]);
+    for (int axis = 0; axis < 3; ++axis) {
+      inner_[node].low[axis][child] = box.low[axis];
+      inner_[node].high[axis][child] = box.high[axis];
+    }
+    arrange(points, children * node + child + 1, borders[child], borders[child + 1]);
   }
 }
 
@@ -83,20 +110,25 @@ std::int32_t PointTree::closest(const Position& place, std::int32_t guess, doubl
   struct {
     std::size_t node;
     double square;
-  } waiting[deepest];  // the farther one of two children, on each level
+  } waiting[most_waiting];
   int count = 0;
-  waiting[count++] = {1, search.square_to(boxes_[1])};
+  waiting[count++] = {0, 0.0};
   while (count > 0) {
-    auto [node, square] = waiting[--count];
-    while (square <= search.square && node < leaves_) {
-      const double left = search.square_to(boxes_[2 * node]), right = search.square_to(boxes_[2 * node + 1]);
-      const std::size_t nearer = 2 * node + (right < left);
-      waiting[count] = {nearer ^ 1, std::max(left, right)};
-      count += std::max(left, right) <= search.square;
-      node = nearer;
-      square = std::min(left, right);
+    auto [node, least] = waiting[--count];
+    while (least <= search.square && node < inner_.size()) {
+      double squares[children];
+      search.squares_to(inner_[node], squares);
+      std::size_t nearest = 0;
+      for (std::size_t child = 1; child < children; ++child)
+        if (squares[child] < squares[nearest]) nearest = child;
+      for (std::size_t child = 0; child < children; ++child) {
+        waiting[count] = {children * node + child + 1, squares[child]};
+        count += child != nearest && squares[child] <= search.square;
+      }
+      node = children * node + nearest + 1;
+      least = squares[nearest];
     }
-    if (square <= search.square) scan(node - leaves_, search);
+    if (least <= search.square) search.scan(leaves_[node - inner_.size()]);
   }
   return search.best;
 }

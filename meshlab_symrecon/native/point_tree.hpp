@@ -20,20 +20,24 @@ class PointTree {
   std::int32_t closest(const Position& place, std::int32_t guess, double limit) const;
 
  private:
-  struct Box {
-    Position low, high;
+  static constexpr std::size_t children = 4, largest_leaf = 8;
+
+  // Side by side, so that they are compared side by side.
+  struct Boxes {
+    double low[3][children], high[3][children];
   };
+  struct Leaf {
+    double places[3][largest_leaf];  // infinite where there is no point
+    std::int32_t points[largest_leaf];
+  };
+  using Range = std::int32_t*;
   struct Search;
 
-  void arrange(View<Position> points, std::size_t node, std::size_t begin, std::size_t end);
-  void scan(std::size_t leaf, Search& search) const;
+  void arrange(View<Position> points, std::size_t node, Range begin, Range end);
 
-  // Node k has the children 2k and 2k + 1; node 1 is the root. Leaf k has the places from starts_[k] to starts_[k + 1].
-  std::size_t leaves_;  // a power of two; node `leaves_ + k` is leaf k
-  std::vector<Box> boxes_;
-  std::vector<std::size_t> starts_;
-  std::vector<std::int32_t> order_;            // index of the point at each place
-  std::array<std::vector<double>, 3> places_;  // its coordinates
+  // Node k has the children 4k + 1 .. 4k + 4; the nodes from the size of `inner_` on are the leaves.
+  std::vector<Boxes> inner_;  // boxes of the children
+  std::vector<Leaf> leaves_;
 };
 
 }  // namespace symrecon
