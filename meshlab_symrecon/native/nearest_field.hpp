@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -17,8 +18,8 @@ namespace symrecon {
 
 class NearestField {
  public:
-  // `table` holds the point nearest to the centre of each cell, the last axis fastest; `origin` is the centre of the
-  // first cell.
+  // `table` holds, for each cell, a point of the nearest cell that has points, the last axis fastest; `origin` is the
+  // centre of the first cell.
   NearestField(View<Position> points, View<std::int32_t> table, const std::array<std::size_t, 3>& shape,
                const Position& origin, double cell);
 
@@ -36,7 +37,9 @@ class NearestField {
   std::int32_t closest(const Position& place, double within = std::numeric_limits<double>::infinity()) const {
     const std::int32_t guess = lookup(place);
     const Position gap = minus(points_[guess], place);
-    return tree_.closest(place, guess, std::min(dot(gap, gap), within * within));
+    const double square = dot(gap, gap), certain = within + slack_ * cell_;
+    if (square > certain * certain && inside(place)) return guess;
+    return tree_.closest(place, guess, std::min(square, within * within));
   }
 
  private:
@@ -46,6 +49,17 @@ class NearestField {
     const double inside = cells > 0.0 ? (cells < last ? cells : last) : 0.0;  // not a number: 0
     return (inside + whole) - whole;
   }
+
+  bool inside(const Position& place) const {
+    bool inside = true;
+    for (int axis = 0; axis < 3; ++axis)
+      inside &= std::abs(place[axis] - origin_[axis] - 0.5 * cell_ * (width_[axis] - 1.0)) <= 0.5 * cell_ * width_[axis];
+    return inside;
+  }
+
+  // Cells by which a point of the table may be farther than the closest one: twice the half diagonals of the cells of
+  // the place and of the point, and a little for rounding.
+  static constexpr double slack_ = 3.5;
 
   std::vector<Position> points_;
   std::vector<std::int32_t> table_;
