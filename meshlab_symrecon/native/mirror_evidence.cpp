@@ -51,10 +51,11 @@ bool contradicts(const Landing& landing, const EvidenceRules& rules) {
 }
 
 struct Sums {
-  double total = 0.0, judged = 0.0, matched = 0.0, contradicted = 0.0, squares = 0.0;
+  double total = 0.0, judged = 0.0;  // weights of all queries, and of those that no hole excuses
+  double matched = 0.0, agreed = 0.0, contradicted = 0.0, squares = 0.0;
 
   Evidence shares() const {
-    return {matched / std::max(total, tiny), matched / std::max(judged, tiny), contradicted / std::max(total, tiny),
+    return {matched / std::max(total, tiny), agreed / std::max(judged, tiny), contradicted / std::max(total, tiny),
             std::sqrt(squares / std::max(matched, tiny))};
   }
 };
@@ -68,7 +69,10 @@ Evidence judge(const Plane& plane, const MirrorCloud& cloud, View<SurfacePoint> 
     sums.total += counts;
     sums.matched += counts * worth;
     sums.squares += counts * worth * landing.off_square;
-    if (!excused(landing, worth, rules)) sums.judged += counts;
+    if (!excused(landing, worth, rules)) {
+      sums.judged += counts;
+      sums.agreed += counts * worth;
+    }
     if (contradicts(landing, rules)) sums.contradicted += counts * distinctness[i];
   }
   return sums.shares();
