@@ -83,7 +83,9 @@ nb::tuple landings_of(PlaneArray planes, Row<std::int32_t> queries, const Neares
           {field.point(i), view(normals)[i], border_distance.data()[i], oriented.data()[i] != 0});
     return landings(view_planes(planes), cloud, view(queries), rules);
   });
-  return nb::make_tuple(give(std::move(found.partners)), give(std::move(found.worth)), give(std::move(found.excused)));
+  return nb::make_tuple(give(std::move(found.partners)), give(std::move(found.weights)),
+                        give(std::move(found.distances)), give(std::move(found.cosines)),
+                        give(std::move(found.worth)), give(std::move(found.excused)));
 }
 
 nb::ndarray<nb::numpy, double> relief_of(Rows<double, 3> points, Rows<double, 3> normals, double radius) {
@@ -154,7 +156,7 @@ void bind_symmetry(nb::module_& module) {
              nb::arg("rules"), "Support, agreement, contradiction and residual of each plane.");
   module.def("landings", &landings_of, nb::arg("planes"), nb::arg("queries"), nb::arg("field"), nb::arg("normals"),
              nb::arg("oriented"), nb::arg("border_distance"), nb::arg("exact"), nb::arg("rules"),
-             "Partner, worth of the match and excuse of each query's mirror image, a row of queries a plane.");
+             "Partner, weight, distance, cosine, worth and excuse of each query's image, a row of queries a plane.");
   module.def("relief", &relief_of, nb::arg("points"), nb::arg("normals"), nb::arg("radius"),
              "Height of the centroid of each point's ball above its tangent plane, in radii.");
   module.def("refine_planes", &refine_each, nb::arg("planes"), nb::arg("queries"), nb::arg("tolerances"),

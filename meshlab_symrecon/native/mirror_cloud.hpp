@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "crust.hpp"
@@ -24,7 +25,10 @@ struct MirrorCloud {
   std::vector<SurfacePoint> points;
   bool exact;  // partners are the closest points, not those of the table
 
-  std::int32_t partner(const Position& image) const { return exact ? field.closest(image) : field.lookup(image); }
+  // The point an image falls on; beyond the distance `within` any point that far may stand for the closest one.
+  std::int32_t partner(const Position& image, double within) const {
+    return exact ? field.closest(image, within) : field.lookup(image);
+  }
 };
 
 // The plane  { x : normal . x + offset = 0 }.
@@ -39,6 +43,25 @@ struct Plane {
 inline Position mirrored(const Position& point, double height, const Position& normal) {
   return {point[0] - 2.0 * height * normal[0], point[1] - 2.0 * height * normal[1],
           point[2] - 2.0 * height * normal[2]};
+}
+
+// The mirror image of a query.
+struct Image {
+  double height;  // of the query above the plane
+  Position place;
+  std::int32_t partner;  // point of the cloud it falls on
+};
+
+// The images of all queries. They are made before any of them is judged, since a processor can wait for many entries of
+// a table at once.
+inline void cast_images(const Plane& plane, const MirrorCloud& cloud, View<SurfacePoint> queries, double within,
+                        std::vector<Image>& images) {
+  images.resize(queries.size());
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const double height = plane.height(queries[i].place);
+    const Position place = mirrored(queries[i].place, height, plane.normal);
+    images[i] = {height, place, cloud.partner(place, within)};
+  }
 }
 
 // Cosine between a direction and the mirror image  (I - 2 n n^T) d  of another one.

@@ -11,24 +11,19 @@ constexpr double tiny = std::numeric_limits<double>::min();
 
 // A mirror image beside the surface point it falls on.
 struct Landing {
-  double distance;    // to that point
-  double off_square;  // to its tangent plane, squared
+  double distance;      // to that point
+  double off_square;    // to its tangent plane, squared
   double aside_square;  // along that plane, squared
   double cosine;        // between the normals
   double border_distance;
-  std::int32_t partner;
 };
 
-Landing land(const SurfacePoint& query, double height, const Position& normal, const MirrorCloud& cloud) {
-  const Position image = mirrored(query.place, height, normal);
-  const std::int32_t index = cloud.partner(image);
-  const SurfacePoint& partner = cloud.points[index];
-  const Position gap = minus(image, partner.place);
+Landing land(const SurfacePoint& query, const Image& image, const SurfacePoint& partner, const Position& normal) {
+  const Position gap = minus(image.place, partner.place);
   const double square = dot(gap, gap), off = dot(gap, partner.normal);
   const double cosine = mirrored_cosine(query.normal, partner.normal, normal);
   return {std::sqrt(square), off * off, std::max(square - off * off, 0.0),
-          query.oriented && partner.oriented ? cosine : std::abs(cosine), partner.border_distance,
-          index};
+          query.oriented && partner.oriented ? cosine : std::abs(cosine), partner.border_distance};
 }
 
 // How well an image matches the surface, 0 to 1.
@@ -56,25 +51,28 @@ bool contradicts(const Landing& landing, const EvidenceRules& rules) {
 }
 
 struct Sums {
-  double total = 0.0, judged = 0.0, matched = 0.0, contradicted = 0.0, squares = 0.0;
+  double total = 0.0, judged = 0.0;  // weights of all queries, and of those that no hole excuses
+  double matched = 0.0, agreed = 0.0, contradicted = 0.0, squares = 0.0;
 
   Evidence shares() const {
-    return {matched / std::max(total, tiny), matched / std::max(judged, tiny), contradicted / std::max(total, tiny),
+    return {matched / std::max(total, tiny), agreed / std::max(judged, tiny), contradicted / std::max(total, tiny),
             std::sqrt(squares / std::max(matched, tiny))};
   }
 };
 
-Evidence examine(const Plane& plane, const MirrorCloud& cloud, View<SurfacePoint> queries, View<double> distinctness,
-                 const EvidenceRules& rules) {
+Evidence judge(const Plane& plane, const MirrorCloud& cloud, View<SurfacePoint> queries, View<Image> images,
+               View<double> distinctness, const EvidenceRules& rules) {
   Sums sums;
   for (std::size_t i = 0; i < queries.size(); ++i) {
-    const double height = plane.height(queries[i].place), counts = weight(height, rules);
-    const Landing landing = land(queries[i], height, plane.normal, cloud);
-    const double worth = match(landing, rules);
+    const Landing landing = land(queries[i], images[i], cloud.points[images[i].partner], plane.normal);
+    const double counts = weight(images[i].height, rules), worth = match(landing, rules);
     sums.total += counts;
     sums.matched += counts * worth;
     sums.squares += counts * worth * landing.off_square;
-    if (!excused(landing, worth, rules)) sums.judged += counts;
+    if (!excused(landing, worth, rules)) {
+      sums.judged += counts;
+      sums.agreed += counts * worth;
+    }
     if (contradicts(landing, rules)) sums.contradicted += counts * distinctness[i];
   }
   return sums.shares();
@@ -87,22 +85,33 @@ std::vector<Evidence> examine(View<Plane> planes, const MirrorCloud& cloud, View
   std::vector<SurfacePoint> asked;
   for (const std::int32_t query : queries) asked.push_back(cloud.points[query]);
   std::vector<Evidence> found;
-  for (const Plane& plane : planes) found.push_back(examine(plane, cloud, asked, distinctness, rules));
+  std::vector<Image> images;
+  for (const Plane& plane : planes) {
+    cast_images(plane, cloud, asked, std::numeric_limits<double>::infinity(), images);
+    found.push_back(judge(plane, cloud, asked, images, distinctness, rules));
+  }
   return found;
 }
 
 Landings landings(View<Plane> planes, const MirrorCloud& cloud, View<std::int32_t> queries,
                   const EvidenceRules& rules) {
+  std::vector<SurfacePoint> asked;
+  for (const std::int32_t query : queries) asked.push_back(cloud.points[query]);
   Landings found;
-  for (const Plane& plane : planes)
-    for (const std::int32_t query : queries) {
-      const SurfacePoint& point = cloud.points[query];
-      const Landing landing = land(point, plane.height(point.place), plane.normal, cloud);
+  std::vector<Image> images;
+  for (const Plane& plane : planes) {
+    cast_images(plane, cloud, asked, std::numeric_limits<double>::infinity(), images);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      const Landing landing = land(asked[i], images[i], cloud.points[images[i].partner], plane.normal);
       const double worth = match(landing, rules);
-      found.partners.push_back(landing.partner);
+      found.partners.push_back(images[i].partner);
+      found.weights.push_back(weight(images[i].height, rules));
+      found.distances.push_back(landing.distance);
+      found.cosines.push_back(landing.cosine);
       found.worth.push_back(worth);
       found.excused.push_back(excused(landing, worth, rules));
     }
+  }
   return found;
 }
 

@@ -36,9 +36,12 @@ std::vector<Evidence> examine(View<Plane> planes, const MirrorCloud& cloud, View
 
 // Where the mirror image of each query falls, a row of queries a plane.
 struct Landings {
-  std::vector<std::int32_t> partners;  // point of the cloud
-  std::vector<double> worth;           // of the match, 0 to 1
-  std::vector<std::uint8_t> excused;   // it may have fallen into a hole
+  std::vector<std::int32_t> partners;  // points of the cloud
+  std::vector<double> weights;         // of the queries: those near the plane count less
+  std::vector<double> distances;       // to the partners
+  std::vector<double> cosines;         // between the normals, |cosine| where a side is not known
+  std::vector<double> worth;           // of the matches, 0 to 1
+  std::vector<std::uint8_t> excused;   // the image may have fallen into a hole
 };
 
 Landings landings(View<Plane> planes, const MirrorCloud& cloud, View<std::int32_t> queries, const EvidenceRules& rules);

@@ -98,18 +98,16 @@ double pair_weight(double square, double cosine, double tolerance, const Refinem
   return direction == 0.0 ? 0.0 : direction * std::exp(-0.5 * relative);
 }
 
-NormalEquations normal_equations(const Plane& plane, const Frame& frame, const MirrorCloud& cloud,
-                                 View<SurfacePoint> queries, double tolerance, const RefinementRules& rules) {
+NormalEquations normal_equations(const Frame& frame, const MirrorCloud& cloud, View<SurfacePoint> queries,
+                                 View<Image> images, double tolerance, const RefinementRules& rules) {
   NormalEquations sums;
-  for (const SurfacePoint& query : queries) {
-    const double height = plane.height(query.place);
-    const Position image = mirrored(query.place, height, plane.normal);
-    const SurfacePoint& partner = cloud.points[cloud.partner(image)];
-    const Position gap = minus(image, partner.place);
-    const double cosine = mirrored_cosine(query.normal, partner.normal, plane.normal);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const SurfacePoint &query = queries[i], &partner = cloud.points[images[i].partner];
+    const Position gap = minus(images[i].place, partner.place);
+    const double cosine = mirrored_cosine(query.normal, partner.normal, frame.normal);
     const double weight = pair_weight(dot(gap, gap), cosine, tolerance, rules);
     if (weight == 0.0) continue;
-    const Pair pair{query.place, height, gap, partner.normal, weight};
+    const Pair pair{query.place, images[i].height, gap, partner.normal, weight};
     add_point_to_plane(pair, frame, sums);
     add_point_to_point(pair, frame, rules.point_share, sums);
     ++sums.partners;
@@ -132,9 +130,11 @@ Plane moved(const Plane& plane, const Frame& frame, const Position& move) {
 
 Plane refined(Plane plane, const MirrorCloud& cloud, View<SurfacePoint> queries, View<double> tolerances,
               const RefinementRules& rules) {
+  std::vector<Image> images;
   for (std::size_t step = 0; step < tolerances.size(); ++step) {
     const Frame frame = frame_of(plane.normal);
-    const NormalEquations sums = normal_equations(plane, frame, cloud, queries, tolerances[step], rules);
+    cast_images(plane, cloud, queries, rules.reach * tolerances[step], images);
+    const NormalEquations sums = normal_equations(frame, cloud, queries, images, tolerances[step], rules);
     if (sums.partners < rules.fewest) return plane;
     const Position move = limited(sums.step(rules.ridge), rules.largest_turn);
     plane = moved(plane, frame, move);

@@ -1,6 +1,8 @@
 #include "point_tree.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "vectors.hpp"
@@ -8,17 +10,37 @@
 namespace symrecon {
 namespace {
 
-constexpr std::size_t leaf = 8;  // points that are looked at one by one
+constexpr double nowhere = std::numeric_limits<double>::infinity();
+constexpr int most_waiting = 128;
 
-int widest_axis(View<Position> points, const std::int32_t* begin, const std::int32_t* end) {
-  Position low = points[*begin], high = low;
+// The larger one of a number and 0, by arithmetic: which it is cannot be foreseen, and branches would take longer.
+inline double positive(double number) { return 0.5 * (number + std::abs(number)); }
+
+struct Box {
+  Position low{nowhere, nowhere, nowhere}, high{-nowhere, -nowhere, -nowhere};
+};
+
+Box box_of(View<Position> points, const std::int32_t* begin, const std::int32_t* end) {
+  Box box;
   for (const std::int32_t* point = begin; point != end; ++point)
     for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], points[*point][axis]);
-      high[axis] = std::max(high[axis], points[*point][axis]);
+      box.low[axis] = std::min(box.low[axis], points[*point][axis]);
+      box.high[axis] = std::max(box.high[axis], points[*point][axis]);
     }
-  const Position widths = minus(high, low);
-  return int(std::max_element(widths.begin(), widths.end()) - widths.begin());
+  return box;
+}
+
+// Moves the smaller half of a range along the widest axis of its box to the front; ties go by index.
+std::int32_t* halve(View<Position> points, std::int32_t* begin, std::int32_t* end) {
+  const Box box = box_of(points, begin, end);
+  const Position widths = minus(box.high, box.low);
+  const auto axis = std::max_element(widths.begin(), widths.end()) - widths.begin();
+  std::int32_t* const middle = begin + (end - begin) / 2;
+  std::nth_element(begin, middle, end, [&](std::int32_t a, std::int32_t b) {
+    const double left = points[a][axis], right = points[b][axis];
+    return left < right || (left == right && a < b);
+  });
+  return middle;
 }
 
 }  // namespace
@@ -28,70 +50,91 @@ struct PointTree::Search {
   double square;  // distance of the best so far, squared
   std::int32_t best;
 
-  void offer(const Position& candidate, std::int32_t index) {
-    const Position gap = minus(candidate, place);
-    const double found = dot(gap, gap);
-    if (found > square || (found == square && index >= best)) return;
-    square = found;
-    best = index;
+  // No point in a box is nearer than this.
+  void squares_to(const Boxes& boxes, double (&squares)[children]) const {
+    for (std::size_t child = 0; child < children; ++child) squares[child] = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+      for (std::size_t child = 0; child < children; ++child) {
+        const double outside = positive(boxes.low[axis][child] - place[axis]) +
+                               positive(place[axis] - boxes.high[axis][child]);  // at most one is not 0
+        squares[child] += outside * outside;
+      }
+  }
+
+  void scan(const Leaf& leaf) {
+    double squares[largest_leaf] = {}, least = nowhere;
+    for (int axis = 0; axis < 3; ++axis)
+      for (std::size_t i = 0; i < largest_leaf; ++i) {
+        const double apart = leaf.places[axis][i] - place[axis];
+        squares[i] += apart * apart;
+      }
+    for (std::size_t i = 0; i < largest_leaf; ++i) least = std::min(least, squares[i]);
+    if (least > square) return;
+    for (std::size_t i = 0; i < largest_leaf; ++i)
+      if (squares[i] == least && (least < square || leaf.points[i] < best)) {
+        square = least;
+        best = leaf.points[i];
+      }
   }
 };
 
-PointTree::PointTree(View<Position> points)
-    : places_(points.begin(), points.end()), order_(points.size()), axes_(points.size()), ranks_(points.size()) {
-  std::iota(order_.begin(), order_.end(), 0);
-  arrange(0, order_.size());
-  for (std::size_t rank = 0; rank < order_.size(); ++rank) {
-    places_[rank] = points[order_[rank]];
-    ranks_[order_[rank]] = std::int32_t(rank);
-  }
+PointTree::PointTree(View<Position> points) {
+  std::size_t leaves = 1;
+  for (; leaves * largest_leaf < points.size(); leaves *= children) inner_.resize(inner_.size() + leaves);
+  leaves_.resize(leaves);
+  std::vector<std::int32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  arrange(points, 0, order.data(), order.data() + order.size());
 }
 
-void PointTree::arrange(std::size_t begin, std::size_t end) {
-  if (end - begin <= leaf) return;
-  const std::size_t middle = begin + (end - begin) / 2;
-  std::int32_t* const order = order_.data();
-  const int axis = widest_axis(places_, order + begin, order + end);
-  std::nth_element(order + begin, order + middle, order + end, [&](std::int32_t a, std::int32_t b) {
-    const double left = places_[a][axis], right = places_[b][axis];
-    return left < right || (left == right && a < b);
-  });
-  axes_[middle] = std::uint8_t(axis);
-  arrange(begin, middle);
-  arrange(middle + 1, end);
-}
-
-// `outside` tells by how much the place lies outside the range's slab along each axis, `square` the sum of its squares:
-// nothing in the range is nearer (Arya and Mount 1993).
-void PointTree::search(std::size_t begin, std::size_t end, const Position& outside, double square,
-                       Search& found) const {
-  if (square > found.square) return;
-  if (end - begin <= leaf) {
-    for (std::size_t rank = begin; rank < end; ++rank) found.offer(places_[rank], order_[rank]);
+void PointTree::arrange(View<Position> points, std::size_t node, Range begin, Range end) {
+  if (node >= inner_.size()) {
+    Leaf& leaf = leaves_[node - inner_.size()];
+    for (auto& row : leaf.places) std::fill(std::begin(row), std::end(row), nowhere);
+    for (std::size_t i = 0; begin + i != end; ++i) {
+      for (int axis = 0; axis < 3; ++axis) leaf.places[axis][i] = points[begin[i]][axis];
+      leaf.points[i] = begin[i];
+    }
     return;
   }
-  const std::size_t middle = begin + (end - begin) / 2;
-  const int axis = axes_[middle];
-  const double beyond = found.place[axis] - places_[middle][axis];
-  Position farther = outside;
-  farther[axis] = beyond;
-  const double farther_square = square - outside[axis] * outside[axis] + beyond * beyond;
-  if (beyond < 0.0) {
-    search(begin, middle, outside, square, found);
-    found.offer(places_[middle], order_[middle]);
-    search(middle + 1, end, farther, farther_square, found);
-  } else {
-    search(middle + 1, end, outside, square, found);
-    found.offer(places_[middle], order_[middle]);
-    search(begin, middle, farther, farther_square, found);
+  Range const middle = halve(points, begin, end);
+  const std::array<Range, 5> borders = {begin, halve(points, begin, middle), middle, halve(points, middle, end), end};
+  for (std::size_t child = 0; child < children; ++child) {
+    const Box box = box_of(points, borders[child], borders[child + 1]);
+    for (int axis = 0; axis < 3; ++axis) {
+      inner_[node].low[axis][child] = box.low[axis];
+      inner_[node].high[axis][child] = box.high[axis];
+    }
+    arrange(points, children * node + child + 1, borders[child], borders[child + 1]);
   }
 }
 
-std::int32_t PointTree::closest(const Position& place, std::int32_t guess) const {
-  const Position gap = minus(places_[ranks_[guess]], place);
-  Search found{place, dot(gap, gap), guess};
-  search(0, places_.size(), {0.0, 0.0, 0.0}, 0.0, found);
-  return found.best;
+std::int32_t PointTree::closest(const Position& place, std::int32_t guess, double limit) const {
+  Search search{place, limit, guess};
+  struct {
+    std::size_t node;
+    double square;
+  } waiting[most_waiting];
+  int count = 0;
+  waiting[count++] = {0, 0.0};
+  while (count > 0) {
+    auto [node, least] = waiting[--count];
+    while (least <= search.square && node < inner_.size()) {
+      double squares[children];
+      search.squares_to(inner_[node], squares);
+      std::size_t nearest = 0;
+      for (std::size_t child = 1; child < children; ++child)
+        if (squares[child] < squares[nearest]) nearest = child;
+      for (std::size_t child = 0; child < children; ++child) {
+        waiting[count] = {children * node + child + 1, squares[child]};
+        count += child != nearest && squares[child] <= search.square;
+      }
+      node = children * node + nearest + 1;
+      least = squares[nearest];
+    }
+    if (least <= search.square) search.scan(leaves_[node - inner_.size()]);
+  }
+  return search.best;
 }
 
 }  // namespace symrecon

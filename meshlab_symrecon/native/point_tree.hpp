@@ -1,6 +1,8 @@
-// A balanced tree of points for exact nearest-point searches (Friedman, Bentley and Finkel 1977).
+// A balanced tree of boxes around points, for exact nearest-point searches.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -13,21 +15,29 @@ class PointTree {
  public:
   explicit PointTree(View<Position> points);
 
-  // The point closest to a place, the first of several at one distance; `guess` is any point, a near one saves time.
-  std::int32_t closest(const Position& place, std::int32_t guess) const;
+  // The point closest to a place, the first of several at one distance. The search begins at `guess`, any of the
+  // points; a near one saves time. Where nothing lies within a distance whose square is `limit`, the guess is returned.
+  std::int32_t closest(const Position& place, std::int32_t guess, double limit) const;
 
  private:
+  static constexpr std::size_t children = 4, largest_leaf = 8;
+
+  // Side by side, so that they are compared side by side.
+  struct Boxes {
+    double low[3][children], high[3][children];
+  };
+  struct Leaf {
+    double places[3][largest_leaf];  // infinite where there is no point
+    std::int32_t points[largest_leaf];
+  };
+  using Range = std::int32_t*;
   struct Search;
 
-  void arrange(std::size_t begin, std::size_t end);
-  void search(std::size_t begin, std::size_t end, const Position& outside, double square, Search& search) const;
+  void arrange(View<Position> points, std::size_t node, Range begin, Range end);
 
-  // The points of a subtree are a range; its root is the median of the range along the root's axis, the smaller ones
-  // come before it and the larger ones after it.
-  std::vector<Position> places_;
-  std::vector<std::int32_t> order_;  // index of the point at each place
-  std::vector<std::uint8_t> axes_;
-  std::vector<std::int32_t> ranks_;  // place of each point
+  // Node k has the children 4k + 1 .. 4k + 4; the nodes from the size of `inner_` on are the leaves.
+  std::vector<Boxes> inner_;  // boxes of the children
+  std::vector<Leaf> leaves_;
 };
 
 }  // namespace symrecon

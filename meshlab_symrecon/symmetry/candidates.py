@@ -13,7 +13,9 @@ from meshlab_symrecon.symmetry.preparation import PreparedCloud
 __all__ = ["Candidates", "pair_planes", "vote"]
 
 SHORTEST_PAIR = 0.08  # diagonals: the error of a sample tilts the plane of a shorter pair too much
-NORMAL_TOLERANCE = float(np.cos(np.radians(12.0)))  # between a normal and its partner's mirror image
+NORMAL_TOLERANCE = float(
+    np.cos(np.radians(12.0))
+)  # between a normal and its partner's mirror image
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,16 +12,13 @@ from meshlab_symrecon.symmetry.preparation import PreparedCloud
 
 __all__ = ["Schedule", "refine_planes"]
 
-RULES = _native.RefinementRules(
-    reach=2.5,  # tolerances within which a partner counts
-    no_direction=0.7,  # cosine of normals up to which a partner does not count,
-    full_direction=0.95,  # and from which on it does so fully
-    point_share=0.05,  # of point-to-point distance: holds flat and round parts against sliding
-    ridge=1e-9,  # of the trace
-    largest_turn=0.2,  # radians a step
-    settled=1e-10,  # turn and shift, in radians and units of the cloud
-    fewest=20,  # partners
-)
+REACH = 2.5  # tolerances within which a partner counts
+DIRECTION_RAMP = (0.7, 0.95)  # cosine of normals: no partner .. counts fully
+POINT_SHARE = 0.05  # of point-to-point distance: holds flat and round parts against sliding
+RIDGE = 1e-9  # of the trace
+LARGEST_TURN = 0.2  # radians a step
+SETTLED = 1e-10  # turn and shift, in radians and units of the cloud
+FEWEST = 20  # partners
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,14 +64,29 @@ def refine_planes(
     (k, 4) float
         Refined planes. A plane stays where it is once it has fewer than 20 partners.
     """
-    tolerances = [np.broadcast_to(schedule.tolerances(k), len(planes)) for k in range(schedule.steps)]
+    steps = [schedule.tolerances(step) for step in range(schedule.steps)]
+    tolerances = np.stack([np.broadcast_to(step, len(planes)) for step in steps], axis=1)
     found: Planes = _native.refine_planes(
         np.ascontiguousarray(planes),
         queries.astype(np.int32),
-        np.ravel(tolerances, order="F"),
+        tolerances.reshape(-1),
         cloud.field,
         cloud.normals,
         exact,
-        RULES,
+        _rules(),
     )
     return found
+
+
+def _rules() -> _native.RefinementRules:
+    none, full = DIRECTION_RAMP
+    return _native.RefinementRules(
+        reach=REACH,
+        no_direction=none,
+        full_direction=full,
+        point_share=POINT_SHARE,
+        ridge=RIDGE,
+        largest_turn=LARGEST_TURN,
+        settled=SETTLED,
+        fewest=FEWEST,
+    )

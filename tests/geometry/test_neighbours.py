@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.geometry.neighbours import (
     border_points,
     local_spacing,
@@ -59,20 +60,53 @@ def test_border_of_a_hemisphere_is_its_rim_and_a_sphere_has_none():
     assert not border[half[:, 2] > 4 * spacing].any()
 
 
-def test_field_is_exact_near_the_cloud_and_close_elsewhere():
+def test_a_lookup_is_right_to_about_a_cell():
     points = sphere(3_000)
     field = nearest_field(points, 0.02, 0.3, 10**7)
-    rng = np.random.default_rng(1)
-    places = rng.uniform(-1.25, 1.25, size=(5_000, 3))
+    places = np.random.default_rng(1).uniform(-1.25, 1.25, size=(5_000, 3))
     exact = cKDTree(points).query(places)[0]
     looked_up = np.linalg.norm(points[field.lookup(places)] - places, axis=1)
-    assert (looked_up - exact).max() <= 4 * 0.02  # a place and a point each move by half a cell
-    near = points[rng.integers(0, 3_000, 2_000)] + rng.normal(0, 0.005, size=(2_000, 3))
-    found = np.linalg.norm(points[field.closest(near)] - near, axis=1)
-    assert np.allclose(found, cKDTree(points).query(near)[0], atol=1e-15)
+    assert (looked_up - exact).max() <= 3.5 * 0.02  # a place and a point each move by half a cell
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 8, 9, 31, 33, 3_000])
+def test_the_closest_point_is_the_closest_everywhere(count):
+    rng = np.random.default_rng(count)
+    points = rng.normal(size=(count, 3))
+    field = nearest_field(points, 0.1, 0.3, 10**5)
+    far = rng.normal(0, 5, size=(500, 3))
+    places = np.vstack([points + rng.normal(0, 0.05, size=points.shape), points, far])
+    assert np.array_equal(field.closest(places), cKDTree(points).query(places)[1])
+
+
+def test_of_several_closest_points_it_is_the_first():
+    lattice = np.stack(np.meshgrid(*[np.arange(5.0)] * 3), axis=-1).reshape(-1, 3)
+    points = np.random.default_rng(0).permutation(np.vstack([lattice, lattice]))
+    field = nearest_field(points, 0.3, 0.5, 10**6)
+    places = np.vstack([lattice, lattice + 0.5, lattice + np.array([0.5, 0, 0])])
+    squares = ((places[:, np.newaxis] - points) ** 2).sum(axis=2)
+    assert np.array_equal(field.closest(places), squares.argmin(axis=1))
+
+
+def test_places_that_are_no_numbers_find_some_point():
+    field = nearest_field(sphere(100), 0.1, 0.1, 10**5)
+    places = np.array([[np.nan, 0.0, 0.0], [np.inf, -np.inf, 0.0]])
+    for found in (field.lookup(places), field.closest(places)):
+        assert ((found >= 0) & (found < 100)).all()
+
+
+def test_a_table_that_does_not_fit_its_points_is_refused():
+    points, origin = np.zeros((2, 3)), np.zeros(3)
+    for wrong in (2, -1):
+        with pytest.raises(IndexError, match="unknown points"):
+            _native.NearestField(points, np.full((1, 1, 1), wrong, dtype=np.int32), origin, 1.0)
+    with pytest.raises(ValueError, match="one entry a cell"):
+        _native.NearestField(points, np.zeros((0, 1, 1), dtype=np.int32), origin, 1.0)
+    with pytest.raises(ValueError, match="three coordinates"):
+        _native.NearestField(points, np.zeros((1, 1, 1), dtype=np.int32), origin[:2], 1.0)
 
 
 def test_field_respects_its_limit_of_cells():
     field = nearest_field(sphere(500), 0.001, 0.1, 10_000)
-    assert field.indices.size < 1.3 * 10_000
+    assert np.prod(field.shape) < 1.3 * 10_000
     assert field.cell > 0.001

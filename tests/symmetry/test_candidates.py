@@ -1,5 +1,8 @@
 import numpy as np
+import pytest
+from symmetry import numpy_loops
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.geometry.planes import reflect
 from meshlab_symrecon.symmetry.candidates import pair_planes, vote
 from meshlab_symrecon.symmetry.preparation import prepare
@@ -31,3 +34,34 @@ def test_the_limit_of_candidates_is_kept_and_reproducible(statue):
     other = vote(cloud, 600, 500, np.random.default_rng(5))
     assert len(one.planes) == 500
     assert np.array_equal(one.planes, other.planes)
+
+
+@pytest.mark.parametrize("count", [2, 50, 700])
+def test_pairs_are_as_in_the_sums_of_numpy(count):
+    rng = np.random.default_rng(count)
+    points, normals = rng.normal(size=(2, count, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    oriented = rng.random(count) < 0.7
+    found = _native.mirror_pairs(points, normals, oriented.view(np.uint8), 0.9, 0.8)
+    expected = numpy_loops.voting_pairs(points, normals, oriented, 0.9, 0.8)
+    assert np.array_equal(found, expected)
+    assert count < 50 or 0.01 < len(found) / (count * (count - 1) / 2) < 0.3
+
+
+def test_an_exact_mirror_pair_votes_and_one_with_a_turned_normal_does_not():
+    points = np.array([[1.0, 0.3, 0.0], [-1.0, 0.3, 0.0]])
+    normals = np.array([[0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]])
+    known, unknown = np.ones(2, dtype=np.uint8), np.array([1, 0], dtype=np.uint8)
+    turned = normals * [[1.0], [-1.0]]
+    assert _native.mirror_pairs(points, normals, known, 1.9, 0.999).tolist() == [[0, 1]]
+    assert _native.mirror_pairs(points, normals, known, 2.0, 0.999).shape == (0, 2)
+    assert _native.mirror_pairs(points, turned, known, 1.9, 0.999).shape == (0, 2)
+    assert _native.mirror_pairs(points, turned, unknown, 1.9, 0.999).tolist() == [[0, 1]]
+
+
+def test_points_without_normals_are_refused():
+    points, known = np.zeros((4, 3)), np.ones(4, dtype=np.uint8)
+    with pytest.raises(ValueError, match="one entry a point"):
+        _native.mirror_pairs(points, points[:3], known, 0.1, 0.9)
+    with pytest.raises(ValueError, match="one entry a point"):
+        _native.mirror_pairs(points, points, known[:3], 0.1, 0.9)

@@ -1,9 +1,14 @@
+import dataclasses
+
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
+from symmetry import numpy_loops
 
+from meshlab_symrecon import _native
+from meshlab_symrecon.geometry.neighbours import nearest_field
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions
-from meshlab_symrecon.symmetry.refinement import Schedule, refine_planes
+from meshlab_symrecon.symmetry.preparation import prepare
+from meshlab_symrecon.symmetry.refinement import Schedule, _rules, refine_planes
 
 
 def symmetric_cloud(seed=0):
@@ -21,6 +26,13 @@ def symmetric_cloud(seed=0):
     return points, np.vstack([normals, reflect_directions(normals, plane)]), plane
 
 
+def prepared(points, normals):
+    """The cloud as it is: even already, and where it should be."""
+    cloud = prepare(points, normals, 1)
+    field = nearest_field(points, 0.02, 0.1, 10**6)
+    return dataclasses.replace(cloud, points=points, normals=normals, field=field)
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_perturbed_plane_of_an_exactly_symmetric_cloud_is_recovered(seed):
     points, normals, plane = symmetric_cloud(seed)
@@ -29,30 +41,71 @@ def test_a_perturbed_plane_of_an_exactly_symmetric_cloud_is_recovered(seed):
     starts[:, :3] += rng.normal(0, 0.02, size=(5, 3))
     starts[:, 3] += rng.normal(0, 0.005, size=5)
     starts /= np.linalg.norm(starts[:, :3], axis=1, keepdims=True)
-    tree = cKDTree(points)
-    found = refine_planes(
-        starts,
-        (points, normals),
-        (points, normals),
-        lambda places: tree.query(places)[1],
-        Schedule(40, 0.04, 0.003),
-    )
+    cloud = prepared(points, normals)
+    schedule = Schedule(40, 0.04, 0.003)
+    found = refine_planes(starts, np.arange(len(points)), cloud, schedule, exact=True)
     assert np.abs(starts - plane).max() > 1e-3
     assert np.abs(found - plane).max() < 1e-6
 
 
-def test_a_plane_without_partners_stays():
-    points, normals, _ = symmetric_cloud()
-    far = np.array([[1.0, 0.0, 0.0, -50.0]])
-    tree = cKDTree(points)
-    found = refine_planes(
-        far,
-        (points, normals),
-        (points, normals),
-        lambda x: tree.query(x)[1],
-        Schedule(5, 0.04, 0.01),
-    )
+@pytest.mark.parametrize("exact", [False, True])
+def test_a_plane_without_partners_stays(exact):
+    cloud = prepared(*symmetric_cloud()[:2])
+    far = np.array([[1.0, 0.0, 0.0, -50.0], [0.6, 0.0, 0.8, 7.0]])
+    found = refine_planes(far, np.arange(3_000), cloud, Schedule(5, 0.04, 0.01), exact=exact)
     assert np.array_equal(found, far)
+
+
+@pytest.mark.parametrize("exact", [False, True])
+@pytest.mark.parametrize("steps", [1, 6, 30])
+def test_all_steps_are_as_in_the_sums_of_numpy(statue, some_planes, exact, steps):
+    cloud = prepare(statue, None, 600)
+    queries = cloud.samples[:500]
+    last = np.linspace(0.006, 0.02, len(some_planes))
+    schedule = Schedule(steps, 0.04, last)
+    found = refine_planes(some_planes, queries, cloud, schedule, exact=exact)
+    expected = numpy_loops.refined(
+        some_planes,
+        (cloud.points[queries], cloud.normals[queries]),
+        (cloud.points, cloud.normals),
+        numpy_loops.partners_of(cloud, exact),
+        schedule,
+    )
+    assert (np.abs(expected - some_planes).max(axis=1) > 1e-3).mean() > 0.5  # most planes move
+    assert np.abs(found - expected).max() < 1e-9
+
+
+def test_each_plane_is_refined_as_if_it_were_alone(statue, some_planes):
+    cloud = prepare(statue, None, 400)
+    schedule = Schedule(9, 0.04, 0.01)
+    together = refine_planes(some_planes, cloud.samples, cloud, schedule, exact=True)
+    for start, plane in zip(some_planes[::7], together[::7], strict=True):
+        alone = refine_planes(start[np.newaxis], cloud.samples, cloud, schedule, exact=True)
+        assert np.array_equal(alone[0], plane)
+
+
+@pytest.mark.parametrize(
+    ("change", "error"),
+    [
+        ({"normals": np.zeros((3, 3))}, ValueError),
+        ({"tolerances": np.full(3, 0.1)}, ValueError),
+        ({"queries": np.array([10**6], dtype=np.int32)}, IndexError),
+    ],
+)
+def test_arrays_that_do_not_fit_together_are_refused(statue, change, error):
+    cloud = prepare(statue, None, 300)
+    arguments = {
+        "planes": np.eye(4)[:2],
+        "queries": cloud.samples.astype(np.int32),
+        "tolerances": np.full(4, 0.1),
+        "field": cloud.field,
+        "normals": cloud.normals,
+        "exact": False,
+        "rules": _rules(),
+    }
+    assert _native.refine_planes(**arguments).shape == (2, 4)
+    with pytest.raises(error):
+        _native.refine_planes(**(arguments | change))
 
 
 def test_tolerances_shrink_geometrically_and_then_stay():
