@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
 from meshlab_symrecon.geometry.bounds import robust_diagonal
 from meshlab_symrecon.geometry.neighbours import (
@@ -40,6 +41,7 @@ ORIENTATION_RADIUS = 0.22  # of the ball whose centroid tells the inside from th
 COPLANAR = 0.015  # distance from a sample's tangent plane within which another one is coplanar
 COPLANAR_DIRECTION = np.cos(np.radians(10.0))
 MANY_COPLANAR = 1.5  # medians of the number of coplanar samples: from there distinctness falls
+RELIEF_RADII = (0.03, 0.05, 0.08)
 LANDMARKS = 600  # even samples that stand for all
 CLEAR_ORIENTATION = 0.12  # of that radius: a smaller offset of the centroid tells nothing
 
@@ -55,6 +57,7 @@ class PreparedCloud:
     border_distance: Floats  # (m,)  to the nearest rim, infinite without one
     samples: Indices  # (s,)  farthest-point order: each beginning is an even sample
     distinctness: Floats  # (s,)  below 1 for a sample on an unusually large flat face
+    relief: Floats  # (m, 3)  height of the centroid of a ball above the tangent plane, in radii
     root_covariance: Floats  # (3, 3)  square root of the covariance of the points
     spacing: float  # median distance to the nearest point
     roughness: float  # median deviation from the local planes: noise and bending
@@ -117,6 +120,7 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
         border_distance=np.broadcast_to(rims, len(places)).copy(),
         samples=samples,
         distinctness=_distinctness(places[samples], directions[samples]),
+        relief=np.stack([_native.relief(places, directions, r) for r in RELIEF_RADII], axis=1),
         root_covariance=(vectors * np.sqrt(np.maximum(variances, 0.0))) @ vectors.T,
         spacing=float(np.median(tree.query(places, k=2)[0][:, 1])),
         roughness=roughness,

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshlab_symrecon import _native
-from meshlab_symrecon.arrays import Floats, Indices, Planes
+from meshlab_symrecon.arrays import Booleans, Floats, Indices, Planes
 from meshlab_symrecon.symmetry.preparation import PreparedCloud
 
-__all__ = ["Evidence", "examine"]
+__all__ = ["Evidence", "Landings", "examine", "land"]
 
 DIRECTION_RAMP = (np.cos(np.radians(40.0)), np.cos(np.radians(15.0)))  # no match .. full match
 SIDEWAYS = 2.5  # spacings: a partner farther along the surface than that is none
@@ -42,6 +42,18 @@ class Evidence:
             self.contradiction[rows],
             self.residual[rows],
         )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Landings:
+    """Where the mirror image of each query falls; a row a plane, a column a query."""
+
+    partners: Indices  # (k, q)  points of the cloud
+    weights: Floats  # (k, q)  of the queries: those near the plane count less
+    distances: Floats  # (k, q)  to the partners, in diagonals
+    cosines: Floats  # (k, q)  between the normals; |cosine| where a side is not known
+    worth: Floats  # (k, q)  of the match, 0 to 1
+    excused: Booleans  # (k, q)  the image may have fallen into a hole
 
 
 def examine(
@@ -80,6 +92,42 @@ def examine(
         _rules(cloud.spacing, tolerance),
     ).T
     return Evidence(*(np.ascontiguousarray(column) for column in columns))
+
+
+def land(planes: Planes, cloud: PreparedCloud, count: int, tolerance: float) -> Landings:
+    """Mirror query points across each plane and tell where each image falls.
+
+    Parameters
+    ----------
+    planes : (k, 4) float
+        Planes in the coordinates of the prepared cloud.
+    cloud : PreparedCloud
+        The cloud.
+    count : int
+        Number of even samples that are mirrored.
+    tolerance : float
+        As for `examine`, whose sums these are the terms of.
+
+    Returns
+    -------
+    Landings
+        Rows in the order of the planes.
+    """
+    queries = cloud.samples[:count].astype(np.int32)
+    partners, weights, distances, cosines, worth, excused = (
+        column.reshape(len(planes), len(queries))
+        for column in _native.landings(
+            np.ascontiguousarray(planes),
+            queries,
+            cloud.field,
+            cloud.normals,
+            cloud.oriented.view(np.uint8),
+            cloud.border_distance,
+            True,
+            _rules(cloud.spacing, tolerance),
+        )
+    )
+    return Landings(partners, weights, distances, cosines, worth, excused.astype(bool))
 
 
 def _rules(spacing: float, tolerance: float) -> _native.EvidenceRules:
