@@ -256,3 +256,6 @@ def mirror_pairs(
     shortest: float,
     least_cosine: float,
 ) -> NDArray[np.int32]: ...
+def farthest_points(
+    points: NDArray[np.float64], count: int, first: int
+) -> NDArray[np.int64]: ...

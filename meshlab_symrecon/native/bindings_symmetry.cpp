@@ -1,5 +1,6 @@
 // numpy borders of the search for reflection planes.
 #include "bindings.hpp"
+#include "even_samples.hpp"
 #include "mirror_cloud.hpp"
 #include "mirror_evidence.hpp"
 #include "mirror_pairs.hpp"
@@ -91,6 +92,12 @@ nb::ndarray<nb::numpy, std::int32_t> pairs_of(Rows<double, 3> points, Rows<doubl
       [&] { return mirror_pairs(view(points), view(normals), view(oriented), shortest, least_cosine); }));
 }
 
+nb::ndarray<nb::numpy, std::int64_t> farthest_of(Rows<double, 3> points, std::size_t count, std::size_t first) {
+  if (count > points.shape(0) || (count > 0 && first >= points.shape(0)))
+    throw std::out_of_range("more points are wanted than there are");
+  return give(without_gil([&] { return farthest_points(view(points), count, first); }));
+}
+
 void bind_rules(nb::module_& module) {
   nb::class_<EvidenceRules>(module, "EvidenceRules")
       .def(
@@ -127,6 +134,8 @@ void bind_symmetry(nb::module_& module) {
       .def("lookup", &lookup, nb::arg("places"), "A point near each place, right to about a cell.")
       .def("closest", &closest, nb::arg("places"), "The point closest to each place, the first of several.");
   bind_rules(module);
+  module.def("farthest_points", &farthest_of, nb::arg("points"), nb::arg("count"), nb::arg("first"),
+             "Order of points in which each one is the farthest from all those before it.");
   module.def("examine", &examine_planes, nb::arg("planes"), nb::arg("queries"), nb::arg("distinctness"),
              nb::arg("field"), nb::arg("normals"), nb::arg("oriented"), nb::arg("border_distance"), nb::arg("exact"),
              nb::arg("rules"), "Support, agreement, contradiction and residual of each plane.");
