@@ -64,6 +64,7 @@ nb::ndarray<nb::numpy, double> examine_planes(PlaneArray planes, Row<std::int32_
   return give_rows<double>(without_gil([&] {
     require_known(view(queries), field.size());
     MirrorCloud cloud{field, {}, exact};
+    cloud.points.reserve(field.size());
     for (std::size_t i = 0; i < field.size(); ++i)
       cloud.points.push_back(
           {field.point(i), view(normals)[i], border_distance.data()[i], oriented.data()[i] != 0});
@@ -80,6 +81,7 @@ nb::ndarray<nb::numpy, double> refine_each(PlaneArray planes, Row<std::int32_t> 
   return give_rows<double>(without_gil([&] {
     require_known(view(queries), field.size());
     MirrorCloud cloud{field, {}, exact};
+    cloud.points.reserve(field.size());
     for (std::size_t i = 0; i < field.size(); ++i) cloud.points.push_back({field.point(i), view(normals)[i], 0.0, false});
     return refine(view_planes(planes), cloud, view(queries), view(tolerances), steps, rules);
   }));
