@@ -82,7 +82,8 @@ nb::ndarray<nb::numpy, double> refine_each(PlaneArray planes, Row<std::int32_t> 
     require_known(view(queries), field.size());
     MirrorCloud cloud{field, {}, exact};
     cloud.points.reserve(field.size());
-    for (std::size_t i = 0; i < field.size(); ++i) cloud.points.push_back({field.point(i), view(normals)[i], 0.0, false});
+    for (std::size_t i = 0; i < field.size(); ++i)
+      cloud.points.push_back({field.point(i), view(normals)[i], 0.0, false});
     return refine(view_planes(planes), cloud, view(queries), view(tolerances), steps, rules);
   }));
 }
