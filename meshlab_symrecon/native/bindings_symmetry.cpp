@@ -8,6 +8,8 @@
 #include "nearest_field.hpp"
 #include "numpy_borders.hpp"
 
+#include <limits>
+
 namespace symrecon {
 namespace {
 
@@ -36,8 +38,8 @@ Numbers lookup(const NearestField& field, Rows<double, 3> places) {
   return find_each(places, [&](const Position& place) { return field.lookup(place); });
 }
 
-Numbers closest(const NearestField& field, Rows<double, 3> places) {
-  return find_each(places, [&](const Position& place) { return field.closest(place); });
+Numbers closest(const NearestField& field, Rows<double, 3> places, double within) {
+  return find_each(places, [&](const Position& place) { return field.closest(place, within); });
 }
 
 View<Plane> view_planes(const PlaneArray& planes) {
@@ -135,7 +137,8 @@ void bind_symmetry(nb::module_& module) {
       })
       .def_prop_ro("cell", &NearestField::cell)
       .def("lookup", &lookup, nb::arg("places"), "A point near each place, right to about a cell.")
-      .def("closest", &closest, nb::arg("places"), "The point closest to each place, the first of several.");
+      .def("closest", &closest, nb::arg("places"), nb::arg("within") = std::numeric_limits<double>::infinity(),
+           "The point closest to each place, the first of several; any one where none is nearer than `within`.");
   bind_rules(module);
   module.def("farthest_points", &farthest_of, nb::arg("points"), nb::arg("count"), nb::arg("first"),
              "Order of points in which each one is the farthest from all those before it.");
