@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Floats, Indices, Points
 
 __all__ = [
@@ -48,7 +49,8 @@ def principal_frame(points: Points) -> tuple[Floats, Floats]:
     centre = points.mean(axis=0)
     centred = points - centre
     axes = np.linalg.eigh(centred.T @ centred)[1].T[::-1]
-    third_moments = ((centred @ axes.T) ** 3).sum(axis=0)
+    along = centred @ axes.T
+    third_moments = (along * along * along).sum(axis=0)  # a power would take ten times as long
     return centre, axes * np.where(third_moments < 0.0, -1.0, 1.0)[:, np.newaxis]
 
 
@@ -159,19 +161,8 @@ def farthest_point_order(points: Points, count: int) -> Indices:
         Indices into ``points``.
     """
     count = min(count, len(points))
-    order = np.zeros(count, dtype=np.int64)
     if count == 0:
-        return order
-    x, y, z = np.ascontiguousarray(points.T)
-    centre = points.mean(axis=0)
-    gaps = (x - centre[0]) ** 2 + (y - centre[1]) ** 2 + (z - centre[2]) ** 2
-    latest = int(np.argmax(gaps))
-    gaps = np.full(len(points), np.inf)
-    for step in range(count):
-        order[step] = latest
-        separation = (x - x[latest]) ** 2
-        separation += (y - y[latest]) ** 2
-        separation += (z - z[latest]) ** 2
-        np.minimum(gaps, separation, out=gaps)
-        latest = int(np.argmax(gaps))
-    return order
+        return np.zeros(0, dtype=np.int64)
+    off_centre = ((points - points.mean(axis=0)) ** 2).sum(axis=1)
+    first = int(np.argmax(off_centre))
+    return _native.farthest_points(np.ascontiguousarray(points), count, first)

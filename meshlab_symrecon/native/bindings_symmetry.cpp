@@ -1,5 +1,6 @@
 // numpy borders of the search for reflection planes.
 #include "bindings.hpp"
+#include "even_samples.hpp"
 #include "mirror_cloud.hpp"
 #include "mirror_evidence.hpp"
 #include "mirror_pairs.hpp"
@@ -7,6 +8,8 @@
 #include "nearest_field.hpp"
 #include "numpy_borders.hpp"
 #include "relief.hpp"
+
+#include <limits>
 
 namespace symrecon {
 namespace {
@@ -36,8 +39,8 @@ Numbers lookup(const NearestField& field, Rows<double, 3> places) {
   return find_each(places, [&](const Position& place) { return field.lookup(place); });
 }
 
-Numbers closest(const NearestField& field, Rows<double, 3> places) {
-  return find_each(places, [&](const Position& place) { return field.closest(place); });
+Numbers closest(const NearestField& field, Rows<double, 3> places, double within) {
+  return find_each(places, [&](const Position& place) { return field.closest(place, within); });
 }
 
 View<Plane> view_planes(const PlaneArray& planes) {
@@ -64,6 +67,7 @@ nb::ndarray<nb::numpy, double> examine_planes(PlaneArray planes, Row<std::int32_
   return give_rows<double>(without_gil([&] {
     require_known(view(queries), field.size());
     MirrorCloud cloud{field, {}, exact};
+    cloud.points.reserve(field.size());
     for (std::size_t i = 0; i < field.size(); ++i)
       cloud.points.push_back(
           {field.point(i), view(normals)[i], border_distance.data()[i], oriented.data()[i] != 0});
@@ -103,7 +107,9 @@ nb::ndarray<nb::numpy, double> refine_each(PlaneArray planes, Row<std::int32_t> 
   return give_rows<double>(without_gil([&] {
     require_known(view(queries), field.size());
     MirrorCloud cloud{field, {}, exact};
-    for (std::size_t i = 0; i < field.size(); ++i) cloud.points.push_back({field.point(i), view(normals)[i], 0.0, false});
+    cloud.points.reserve(field.size());
+    for (std::size_t i = 0; i < field.size(); ++i)
+      cloud.points.push_back({field.point(i), view(normals)[i], 0.0, false});
     return refine(view_planes(planes), cloud, view(queries), view(tolerances), steps, rules);
   }));
 }
@@ -113,6 +119,12 @@ nb::ndarray<nb::numpy, std::int32_t> pairs_of(Rows<double, 3> points, Rows<doubl
   require_points(points.shape(0), {normals.shape(0), oriented.shape(0)});
   return give_rows<std::int32_t>(without_gil(
       [&] { return mirror_pairs(view(points), view(normals), view(oriented), shortest, least_cosine); }));
+}
+
+nb::ndarray<nb::numpy, std::int64_t> farthest_of(Rows<double, 3> points, std::size_t count, std::size_t first) {
+  if (count > points.shape(0) || (count > 0 && first >= points.shape(0)))
+    throw std::out_of_range("more points are wanted than there are");
+  return give(without_gil([&] { return farthest_points(view(points), count, first); }));
 }
 
 void bind_rules(nb::module_& module) {
@@ -149,8 +161,11 @@ void bind_symmetry(nb::module_& module) {
       })
       .def_prop_ro("cell", &NearestField::cell)
       .def("lookup", &lookup, nb::arg("places"), "A point near each place, right to about a cell.")
-      .def("closest", &closest, nb::arg("places"), "The point closest to each place, the first of several.");
+      .def("closest", &closest, nb::arg("places"), nb::arg("within") = std::numeric_limits<double>::infinity(),
+           "The point closest to each place, the first of several; any one where none is nearer than `within`.");
   bind_rules(module);
+  module.def("farthest_points", &farthest_of, nb::arg("points"), nb::arg("count"), nb::arg("first"),
+             "Order of points in which each one is the farthest from all those before it.");
   module.def("examine", &examine_planes, nb::arg("planes"), nb::arg("queries"), nb::arg("distinctness"),
              nb::arg("field"), nb::arg("normals"), nb::arg("oriented"), nb::arg("border_distance"), nb::arg("exact"),
              nb::arg("rules"), "Support, agreement, contradiction and residual of each plane.");

@@ -15,7 +15,8 @@ std::vector<std::array<std::int32_t, 2>> mirror_pairs(View<Position> points, Vie
       const Position apart = minus(points[i], points[j]);
       const double square = dot(apart, apart);
       // (I - 2 n n^T) N_i . N_j  with  n = (p_i - p_j) / |p_i - p_j|,  times the square
-      const double cosine = dot(normals[i], normals[j]) * square - 2.0 * dot(apart, normals[i]) * dot(apart, normals[j]);
+      const double cosine =
+          dot(normals[i], normals[j]) * square - 2.0 * dot(apart, normals[i]) * dot(apart, normals[j]);
       const double judged = oriented[i] && oriented[j] ? cosine : std::abs(cosine);
       if (square > shortest * shortest && judged > least_cosine * square)
         pairs.push_back({std::int32_t(i), std::int32_t(j)});

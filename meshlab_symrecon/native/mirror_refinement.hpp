@@ -21,8 +21,8 @@ struct RefinementRules {
   std::int32_t fewest;    // partners
 };
 
-// Fits the mirror image of the points `queries`, one plane at a time. `tolerances` has a row of `steps` numbers a plane.
-// A plane stays where it is once it has too few partners.
+// Fits the mirror image of the points `queries`, one plane at a time. `tolerances` has a row of `steps` numbers a
+// plane. A plane stays where it is once it has too few partners.
 std::vector<Plane> refine(View<Plane> planes, const MirrorCloud& cloud, View<std::int32_t> queries,
                           View<double> tolerances, std::size_t steps, const RefinementRules& rules);
 

@@ -53,7 +53,8 @@ class NearestField {
   bool inside(const Position& place) const {
     bool inside = true;
     for (int axis = 0; axis < 3; ++axis)
-      inside &= std::abs(place[axis] - origin_[axis] - 0.5 * cell_ * (width_[axis] - 1.0)) <= 0.5 * cell_ * width_[axis];
+      inside &= std::abs(place[axis] - origin_[axis] - 0.5 * cell_ * (width_[axis] - 1.0)) <=
+                0.5 * cell_ * width_[axis];
     return inside;
   }
 

@@ -20,7 +20,7 @@ class PointTree {
   std::int32_t closest(const Position& place, std::int32_t guess, double limit) const;
 
  private:
-  static constexpr std::size_t children = 4, largest_leaf = 8;
+  static constexpr std::size_t children = 4, largest_leaf = 12;
 
   // Side by side, so that they are compared side by side.
   struct Boxes {

@@ -62,7 +62,6 @@ class PreparedCloud:
     spacing: float  # median distance to the nearest point
     roughness: float  # median deviation from the local planes: noise and bending
     field: NearestField
-    tree: cKDTree
     centre: Floats  # (3,)  origin, in the coordinates of the input
     scale: float  # diagonal, in the units of the input
 
@@ -125,7 +124,6 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
         spacing=float(np.median(tree.query(places, k=2)[0][:, 1])),
         roughness=roughness,
         field=nearest_field(places, FIELD_CELL, FIELD_MARGIN, FIELD_CELLS),
-        tree=tree,
         centre=centre + (unit * shift) @ axes,
         scale=unit * size,
     )

@@ -79,6 +79,20 @@ def test_the_closest_point_is_the_closest_everywhere(count):
     assert np.array_equal(field.closest(places), cKDTree(points).query(places)[1])
 
 
+@pytest.mark.parametrize("cell", [0.02, 0.2])
+@pytest.mark.parametrize("within", [0.0, 0.3, 1.0, 2.0])
+def test_the_closest_point_is_found_within_a_distance(cell, within):
+    rng = np.random.default_rng(0)
+    for count in (2, 3, 20, 200):
+        points = rng.uniform(-1, 1, size=(count, 3))
+        field = nearest_field(points, cell, 0.0, 10**6)
+        places = rng.uniform(-2.5, 2.5, size=(2_000, 3))
+        found = np.linalg.norm(points[field.closest(places, within)] - places, axis=1)
+        exact = cKDTree(points).query(places)[0]
+        assert np.allclose(found[exact <= within], exact[exact <= within], rtol=1e-14)
+        assert (found[exact > within] > within).all()
+
+
 def test_of_several_closest_points_it_is_the_first():
     lattice = np.stack(np.meshgrid(*[np.arange(5.0)] * 3), axis=-1).reshape(-1, 3)
     points = np.random.default_rng(0).permutation(np.vstack([lattice, lattice]))

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.geometry.sampling import (
     canonical_order,
     farthest_point_order,
@@ -75,3 +76,29 @@ def test_farthest_points_are_an_even_sample_at_every_length():
 def test_farthest_points_of_few_and_no_points():
     assert sorted(farthest_point_order(sphere(7), 20)) == list(range(7))
     assert farthest_point_order(np.zeros((0, 3)), 5).shape == (0,)
+
+
+def farthest_in_turn(points, count):
+    order = [int(np.argmax(((points - points.mean(axis=0)) ** 2).sum(axis=1)))]
+    gaps = np.full(len(points), np.inf)
+    while len(order) < count:
+        gaps = np.minimum(gaps, ((points - points[order[-1]]) ** 2).sum(axis=1))
+        order.append(int(np.argmax(gaps)))
+    return order
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 8, 9, 300])
+def test_farthest_points_are_those_of_a_plain_search(count):
+    rng = np.random.default_rng(count)
+    lattice = rng.integers(0, 5, size=(count, 3)).astype(float)  # ties, and points twice
+    for points in (rng.normal(size=(count, 3)), lattice):
+        for wanted in (1, count // 2 + 1, count):
+            found = farthest_point_order(points, wanted).tolist()
+            assert found == farthest_in_turn(points, wanted)
+
+
+def test_more_farthest_points_than_points_are_refused():
+    with pytest.raises(IndexError, match="more points"):
+        _native.farthest_points(np.zeros((3, 3)), 4, 0)
+    with pytest.raises(IndexError, match="more points"):
+        _native.farthest_points(np.zeros((3, 3)), 1, 3)

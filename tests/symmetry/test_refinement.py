@@ -75,6 +75,23 @@ def test_all_steps_are_as_in_the_sums_of_numpy(statue, some_planes, exact, steps
     assert np.abs(found - expected).max() < 1e-9
 
 
+@pytest.mark.parametrize("cell", [0.01, 0.06])
+def test_partners_are_exact_however_coarse_and_narrow_the_table(statue, some_planes, cell):
+    cloud = prepare(statue, None, 200)
+    coarse = dataclasses.replace(cloud, field=nearest_field(cloud.points, cell, 0.0, 10**6))
+    for tolerance in (0.01, 0.3):
+        schedule = Schedule(2, tolerance, tolerance)
+        wanted = numpy_loops.refined(
+            some_planes,
+            (cloud.points[cloud.samples], cloud.normals[cloud.samples]),
+            (cloud.points, cloud.normals),
+            numpy_loops.partners_of(cloud, exact=True),
+            schedule,
+        )
+        found = refine_planes(some_planes, cloud.samples, coarse, schedule, exact=True)
+        assert np.abs(found - wanted).max() < 1e-9
+
+
 def test_each_plane_is_refined_as_if_it_were_alone(statue, some_planes):
     cloud = prepare(statue, None, 400)
     schedule = Schedule(9, 0.04, 0.01)
