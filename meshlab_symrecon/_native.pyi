@@ -183,3 +183,14 @@ def power_shape(
     radii: NDArray[np.float64],
     redundancy: float,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]: ...
+def propagate_sparse_affinity(
+    offsets: NDArray[np.int64],
+    targets: NDArray[np.int32],
+    similarities: NDArray[np.float64],
+    damping: float,
+    most: int,
+    calm: int,
+) -> tuple[NDArray[np.uint8], NDArray[np.float64], bool, int, float]: ...
+def propagate_dense_affinity(
+    similarities: NDArray[np.float64], damping: float, most: int, calm: int
+) -> tuple[NDArray[np.uint8], NDArray[np.float64], bool, int, float]: ...

@@ -8,6 +8,7 @@ namespace symrecon {
 namespace {
 
 constexpr double nothing = -std::numeric_limits<double>::infinity();
+constexpr std::uint8_t oscillation = 8;  // turns of one point between exemplar and not; settling takes fewer
 
 struct TopTwo {
   double largest = nothing, second = nothing;
@@ -54,8 +55,9 @@ class Messages {
         levels_(similarities.size(), 0.0),
         next_received_(similarities.size()),
         next_levels_(similarities.size()),
-        needed_(similarities.size(), 0.0),
-        evidence_(similarities.size(), 0.0) {}
+        needed_(similarities.size(), -nothing),
+        evidence_(similarities.size(), 0.0),
+        undamped_(similarities.size(), 0.0) {}
 
   // The availabilities from the last responsibilities, then new responsibilities, row by row: each edge is read once.
   void iterate(double damping) {
@@ -73,12 +75,14 @@ class Messages {
       const std::size_t own = similarities_.first(i) + similarities_.own(i);
       next_levels_[i] = responsibilities_[own] + next_received_[i];
       evidence_[i] = responsibilities_[own] + damped(damping, availabilities_[own], next_received_[i]);
+      undamped_[i] += next_received_[i];
     }
     received_.swap(next_received_);
     levels_.swap(next_levels_);
   }
 
   const std::vector<double>& evidence() const { return evidence_; }  // r(i, i) + a(i, i)
+  const std::vector<double>& undamped() const { return undamped_; }  // the same of the last updates alone
   std::vector<double>& needed() { return needed_; }
 
  private:
@@ -109,7 +113,7 @@ class Messages {
     if (sums_.size() < count) sums_.resize(count);
     for (std::size_t place = 0; place < count; ++place) sums_[place] = availability[place] + similarity[place];
     const TopTwo top = top_two(sums_.data(), count);
-    needed_[i] = sums_[own] == top.largest ? top.largest : top.second;
+    needed_[i] = std::min(needed_[i], top.second);
     const auto update = [&](std::size_t begin, std::size_t end) {
       for (std::size_t place = begin; place < end; ++place) {
         const double rival = sums_[place] == top.largest ? top.second : top.largest;
@@ -120,8 +124,8 @@ class Messages {
     };
     update(0, own);
     update(own + 1, count);
-    const double rival = sums_[own] == top.largest ? top.second : top.largest;
-    responsibility[own] = damped(damping, responsibility[own], similarity[own] - rival);
+    undamped_[i] = similarity[own] - (sums_[own] == top.largest ? top.second : top.largest);
+    responsibility[own] = damped(damping, responsibility[own], undamped_[i]);
   }
 
   const Similarities& similarities_;
@@ -129,34 +133,68 @@ class Messages {
   std::vector<double> responsibilities_, availabilities_;  // along the edges
   std::vector<double> received_, levels_;  // of each point: its positive responsibilities; with its own one
   std::vector<double> next_received_, next_levels_;
-  std::vector<double> needed_, evidence_, sums_;
+  std::vector<double> needed_, evidence_, undamped_, sums_;
   std::size_t work_ = 0;
+};
+
+// Which points are exemplars, for how long, and whether they oscillate.
+class Choice {
+ public:
+  explicit Choice(std::size_t points) : chosen_(points, 0), turns_(points, 0) {}
+
+  // Heavily damped messages may keep exemplars for a while that the updates no longer support: that is no calm.
+  void update(const std::vector<double>& evidence, const std::vector<double>& undamped) {
+    bool changed = false, supported = true;
+    number_ = 0;
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      const std::uint8_t now = evidence[i] > 0.0;
+      const std::uint8_t turned = now != chosen_[i];
+      changed |= turned;
+      turns_[i] += turned;
+      supported &= now == (undamped[i] > 0.0);
+      oscillating_ |= turns_[i] >= oscillation;
+      number_ += now;
+      chosen_[i] = now;
+    }
+    unchanged_ = !supported ? 0 : changed ? 1 : unchanged_ + 1;
+  }
+
+  // Whether a point has turned often since the last call that said so.
+  bool oscillates() {
+    if (!oscillating_) return false;
+    oscillating_ = false;
+    std::fill(turns_.begin(), turns_.end(), 0);
+    return true;
+  }
+
+  std::size_t number() const { return number_; }
+  std::int32_t unchanged() const { return unchanged_; }  // iterations
+  std::vector<std::uint8_t>& chosen() { return chosen_; }
+
+ private:
+  std::vector<std::uint8_t> chosen_, turns_;
+  std::size_t number_ = 0;
+  std::int32_t unchanged_ = 0;
+  bool oscillating_ = false;
 };
 
 template <class Similarities>
 Exemplars propagate(const Similarities& similarities, const MessageSchedule& schedule, const Checkpoint& checkpoint) {
   Messages<Similarities> messages(similarities, checkpoint);
+  Choice choice(similarities.size());
   Exemplars found;
-  found.chosen.assign(similarities.size(), 0);
-  std::int32_t unchanged = 0;
-  std::size_t number = 0;
+  found.damping = schedule.damping;
   while (!found.converged && found.iterations < schedule.most) {
-    messages.iterate(schedule.damping);
+    messages.iterate(found.damping);
+    choice.update(messages.evidence(), messages.undamped());
+    if (choice.oscillates()) found.damping = 0.5 * (1.0 + found.damping);
     ++found.iterations;
-    std::size_t changes = 0;
-    number = 0;
-    for (std::size_t i = 0; i < similarities.size(); ++i) {
-      const std::uint8_t now = messages.evidence()[i] > 0.0;
-      changes += now != found.chosen[i];
-      number += now;
-      found.chosen[i] = now;
-    }
-    unchanged = changes == 0 ? unchanged + 1 : 1;
-    found.converged = unchanged >= schedule.calm && number > 0;
+    found.converged = choice.unchanged() >= schedule.calm && choice.number() > 0;
   }
   const std::vector<double>& evidence = messages.evidence();
-  if (number == 0 && !evidence.empty())  // stopped early: the point nearest to being an exemplar
-    found.chosen[std::max_element(evidence.begin(), evidence.end()) - evidence.begin()] = 1;
+  if (choice.number() == 0 && !evidence.empty())  // stopped early: the point nearest to being an exemplar
+    choice.chosen()[std::max_element(evidence.begin(), evidence.end()) - evidence.begin()] = 1;
+  found.chosen = std::move(choice.chosen());
   found.needed = std::move(messages.needed());
   return found;
 }

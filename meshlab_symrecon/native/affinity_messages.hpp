@@ -36,16 +36,17 @@ struct DenseSimilarities {
 };
 
 struct MessageSchedule {
-  double damping;       // share of the old message kept
-  std::int32_t most;    // iterations
-  std::int32_t calm;    // iterations with the same exemplars that count as converged
+  double damping;     // share of the old message kept
+  std::int32_t most;  // iterations
+  std::int32_t calm;  // iterations with the same exemplars that count as converged
 };
 
 struct Exemplars {
   std::vector<std::uint8_t> chosen;  // at least one, even when stopped early
-  std::vector<double> needed;        // an edge of row i whose similarity is no larger would change nothing now
+  std::vector<double> needed;        // an edge of row i that is no more similar would never have changed a message
   bool converged = false;
   std::int32_t iterations = 0;
+  double damping = 0.0;  // in the end: oscillation raises it
 };
 
 Exemplars propagate_affinity(const SparseSimilarities& similarities, const MessageSchedule& schedule,

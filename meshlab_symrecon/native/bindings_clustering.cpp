@@ -10,7 +10,7 @@ using Matrix = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::
 
 nb::tuple as_tuple(Exemplars&& found) {
   return nb::make_tuple(give(std::move(found.chosen)), give(std::move(found.needed)), found.converged,
-                        found.iterations);
+                        found.iterations, found.damping);
 }
 
 void require_rows(const SparseSimilarities& similarities) {
@@ -18,10 +18,10 @@ void require_rows(const SparseSimilarities& similarities) {
   if (similarities.offsets.size() == 0 || similarities.targets.size() != edges || similarities.offsets[0] != 0 ||
       std::size_t(similarities.offsets[similarities.size()]) != edges)
     throw std::invalid_argument("offsets must count the edges");
-  for (std::size_t i = 0; i < similarities.size(); ++i) {
-    if (similarities.offsets[i + 1] <= similarities.offsets[i] || similarities.target(i, 0) != i)
-      throw std::invalid_argument("each row must start with the edge to itself");
-  }
+  for (std::size_t i = 0; i < similarities.size(); ++i)
+    if (similarities.offsets[i + 1] <= similarities.offsets[i]) throw std::invalid_argument("each row needs an edge");
+  for (std::size_t i = 0; i < similarities.size(); ++i)
+    if (similarities.target(i, 0) != i) throw std::invalid_argument("each row must start with the edge to itself");
   for (const std::int32_t target : similarities.targets)
     if (target < 0 || std::size_t(target) >= similarities.size()) throw std::out_of_range("edge to an unknown point");
 }
@@ -48,7 +48,7 @@ nb::tuple propagate_dense_of(Matrix similarities, double damping, std::int32_t m
 void bind_clustering(nb::module_& module) {
   module.def("propagate_sparse_affinity", &propagate_sparse_of, nb::arg("offsets"), nb::arg("targets"),
              nb::arg("similarities"), nb::arg("damping"), nb::arg("most"), nb::arg("calm"),
-             "Exemplars of a sparse graph, what edges it lacks, whether it converged, and the iterations.");
+             "Exemplars, the similarity from which edges are needed, whether it converged, iterations, last damping.");
   module.def("propagate_dense_affinity", &propagate_dense_of, nb::arg("similarities"), nb::arg("damping"),
              nb::arg("most"), nb::arg("calm"), "The same between all points.");
 }
