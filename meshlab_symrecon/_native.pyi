@@ -184,13 +184,14 @@ def power_shape(
     redundancy: float,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]: ...
 def propagate_sparse_affinity(
-    offsets: NDArray[np.int64],
-    targets: NDArray[np.int32],
     similarities: NDArray[np.float64],
+    targets: NDArray[np.int32],
     damping: float,
     most: int,
     calm: int,
-) -> tuple[NDArray[np.uint8], NDArray[np.float64], bool, int, float]: ...
+    more: Callable[[NDArray[np.int32], int], tuple[NDArray[np.float64], NDArray[np.int32]] | None]
+    | None = None,
+) -> tuple[NDArray[np.uint8], bool, bool, int, float, int]: ...
 def propagate_dense_affinity(
     similarities: NDArray[np.float64], damping: float, most: int, calm: int
-) -> tuple[NDArray[np.uint8], NDArray[np.float64], bool, int, float]: ...
+) -> tuple[NDArray[np.uint8], bool, bool, int, float, int]: ...

@@ -15,13 +15,14 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from meshlab_symrecon.arrays import Floats, Indices
 from meshlab_symrecon.clustering.assignment import best_members, nearest_exemplars
-from meshlab_symrecon.clustering.growing_graph import Grown, propagate_neighbours
 from meshlab_symrecon.clustering.messages import (
     Propagation,
     Schedule,
     choose_among_equals,
     propagate_dense,
+    propagate_neighbours,
 )
+from meshlab_symrecon.clustering.neighbour_graph import Neighbours
 from meshlab_symrecon.clustering.similarities import all_similarities, similarity_quantile
 from meshlab_symrecon.errors import ParameterError
 
@@ -52,7 +53,7 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         Iterations without a change of the exemplars that count as converged.
     n_neighbors : int or None
         Edges from each point in the beginning; the graph grows where missing edges could have
-        changed a message, up to 16 times as many in all. None sends messages between all points,
+        changed a message, up to 32 times as many in all. None sends messages between all points,
         O(n^2) memory, up to 6000 rows.
     random_state : int, RandomState or None
         Source of the tiny noise that breaks ties, and of the pairs for ``quantile``.
@@ -71,11 +72,11 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         The sparse form proved that messages between all points give the same exemplars; always
         True in the dense form. False: preferences too low for so many neighbours.
     n_iter_ : int
-        Iterations done, on the last graph.
+        Iterations done.
     damping_ : float
         Damping of the last iteration, more than ``damping`` if exemplars oscillated.
     n_edges_ : int
-        Messages passed each way in an iteration, on the last graph.
+        Edges that carried messages in the end.
 
     Notes
     -----
@@ -92,7 +93,7 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         damping: float = 0.7,
         max_iter: int = 1000,
         convergence_iter: int = 15,
-        n_neighbors: int | None = 64,
+        n_neighbors: int | None = 32,
         random_state: int | np.random.RandomState | None = 0,
     ) -> None:
         self.preference = preference
@@ -126,8 +127,7 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         rows: Floats = validate_data(self, X, dtype=np.float64)
         self._check_parameters(len(rows))
         preferences = self._preferences(rows)
-        grown = self._propagate(rows, preferences)
-        found = grown.propagation
+        found = self._propagate(rows, preferences)
         if not found.converged:
             message = (
                 f"affinity propagation has not converged after {found.iterations} iterations; "
@@ -140,10 +140,10 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         self.labels_ = nearest_exemplars(rows, self.cluster_centers_)
         self.labels_[exemplars] = np.arange(len(exemplars))  # whatever duplicates there are
         self.converged_ = found.converged
-        self.exact_ = grown.exact
+        self.exact_ = found.exact
         self.n_iter_ = found.iterations
         self.damping_ = found.damping
-        self.n_edges_ = grown.edges
+        self.n_edges_ = found.edges
         return self
 
     def predict(self, X: ArrayLike) -> Indices:
@@ -152,14 +152,15 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         rows = validate_data(self, X, dtype=np.float64, reset=False)
         return nearest_exemplars(rows, self.cluster_centers_)
 
-    def _propagate(self, rows: Floats, preferences: Floats) -> Grown:
+    def _propagate(self, rows: Floats, preferences: Floats) -> Propagation:
         schedule = Schedule(self.damping, self.max_iter, self.convergence_iter)
         if len(rows) < 3 or (rows == rows[0]).all():
-            return _among_equals(rows, preferences, schedule)
+            similarity = -float(((rows[0] - rows[-1]) ** 2).sum())
+            chosen = choose_among_equals(preferences, similarity)
+            return Propagation(chosen, True, True, 0, self.damping, len(rows) ** 2)
         if self.n_neighbors is None:
-            found = propagate_dense(all_similarities(rows, preferences), schedule)
-            return Grown(found, len(rows) ** 2, exact=True)
-        return propagate_neighbours(rows, preferences, self.n_neighbors, schedule)
+            return propagate_dense(all_similarities(rows, preferences), schedule)
+        return propagate_neighbours(Neighbours(rows), preferences, self.n_neighbors, schedule)
 
     def _preferences(self, rows: Floats) -> Floats:
         """Return one preference a row, with the noise that breaks ties."""
@@ -202,11 +203,3 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
                 "set n_neighbors to use a sparse graph"
             )
             raise ParameterError(message)
-
-
-def _among_equals(rows: Floats, preferences: Floats, schedule: Schedule) -> Grown:
-    similarity = -float(((rows[0] - rows[-1]) ** 2).sum())
-    exemplars = choose_among_equals(preferences, similarity)
-    needed = np.full(len(rows), -np.inf)
-    found = Propagation(exemplars, True, 0, schedule.damping, needed)
-    return Grown(found, len(rows) ** 2, exact=True)

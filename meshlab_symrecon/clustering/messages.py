@@ -26,16 +26,19 @@ from numpy.typing import NDArray
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Floats, Indices
-from meshlab_symrecon.clustering.neighbour_graph import NeighbourGraph, edges_of_rows
+from meshlab_symrecon.clustering.neighbour_graph import Neighbours
 
 __all__ = [
+    "GROWTH",
     "Propagation",
     "Schedule",
     "choose_among_equals",
     "propagate_dense",
-    "propagate_graph",
+    "propagate_neighbours",
     "propagate_sparse",
 ]
+
+GROWTH = 32  # edges in the end / edges in the beginning, at most
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,14 +56,14 @@ class Propagation:
 
     exemplars: Indices  # (m,)  indices of the exemplars, ascending, at least one
     converged: bool  # False: stopped at the iteration limit
+    exact: bool  # False: a missing edge could have changed a message
     iterations: int  # number of iterations done
     damping: float  # of the last one: oscillation raises it
-    needed: Floats  # (n,)  an edge with less similarity would not have changed any message
+    edges: int  # in the end, those of points to themselves included
 
 
-def _propagation(found: tuple[NDArray[np.uint8], Floats, bool, int, float]) -> Propagation:
-    chosen, needed, converged, iterations, damping = found
-    return Propagation(np.flatnonzero(chosen), converged, iterations, damping, needed)
+def _propagation(found: tuple[NDArray[np.uint8], bool, bool, int, float, int]) -> Propagation:
+    return Propagation(np.flatnonzero(found[0]), *found[1:])
 
 
 def propagate_dense(similarities: Floats, schedule: Schedule) -> Propagation:
@@ -78,52 +81,19 @@ def propagate_dense(similarities: Floats, schedule: Schedule) -> Propagation:
     Propagation
         Exemplars; never empty, even when stopped early.
     """
-    return _propagation(
-        _native.propagate_dense_affinity(
-            np.ascontiguousarray(similarities),
-            schedule.damping,
-            schedule.max_iter,
-            schedule.convergence_iter,
-        )
+    found = _native.propagate_dense_affinity(
+        np.ascontiguousarray(similarities, dtype=np.float64),
+        schedule.damping,
+        schedule.max_iter,
+        schedule.convergence_iter,
     )
-
-
-def propagate_graph(graph: NeighbourGraph, schedule: Schedule) -> Propagation:
-    """Pass messages along the edges of a graph until the exemplars stay the same.
-
-    Suppose that row i lacks only edges with ``s(i, k) <= needed[i]``. Then these are the exemplars
-    of the graph that has those edges too, bit for bit up to rounding: ``a(i, k) <= 0``, so that a
-    missing edge was never one of the two largest sums of its row, and its responsibility never
-    positive.
-
-    Parameters
-    ----------
-    graph : NeighbourGraph
-        Similarities; the first edge of each row leads to the row itself and holds its preference.
-    schedule : Schedule
-        Damping and limits.
-
-    Returns
-    -------
-    Propagation
-        Exemplars; never empty, even when stopped early.
-    """
-    return _propagation(
-        _native.propagate_sparse_affinity(
-            graph.offsets,
-            graph.targets,
-            graph.similarities,
-            schedule.damping,
-            schedule.max_iter,
-            schedule.convergence_iter,
-        )
-    )
+    return _propagation(found)
 
 
 def propagate_sparse(
     similarities: Floats, targets: Indices, damping: float, max_iter: int, convergence_iter: int
 ) -> Propagation:
-    """Pass messages along the edges of a graph whose rows have equally many.
+    """Pass messages along given edges until the exemplars stay the same.
 
     Parameters
     ----------
@@ -137,10 +107,66 @@ def propagate_sparse(
     Returns
     -------
     Propagation
-        Exemplars; never empty, even when stopped early.
+        Exemplars; never empty, even when stopped early. These edges are all there are: exact.
     """
-    graph = edges_of_rows(similarities, targets)
-    return propagate_graph(graph, Schedule(damping, max_iter, convergence_iter))
+    found = _native.propagate_sparse_affinity(
+        np.ascontiguousarray(similarities, dtype=np.float64),
+        np.ascontiguousarray(targets, dtype=np.int32),
+        damping,
+        max_iter,
+        convergence_iter,
+    )
+    return _propagation(found)
+
+
+def propagate_neighbours(
+    neighbours: Neighbours, preferences: Floats, count: int, schedule: Schedule
+) -> Propagation:
+    """Pass messages between neighbours, as many as it takes to choose as if between all.
+
+    Since ``a(i, k) <= 0``, a missing edge whose similarity is no larger than the second largest sum
+    ``a(i, k') + s(i, k')`` of its row is not one of the two largest, and its responsibility is not
+    positive: it changes no message. Where that is not certain the row gets twice as many edges, in
+    the middle of the iteration. The messages that a new edge would carry are known: it never sent a
+    positive responsibility, so its availability is that of every such edge to its target.
+
+    Parameters
+    ----------
+    neighbours : Neighbours
+        Where edges come from.
+    preferences : (n,) float
+        Similarity of each point to itself.
+    count : int
+        Edges from each point in the beginning, without the one to itself; at least 1.
+    schedule : Schedule
+        Damping and limits.
+
+    Returns
+    -------
+    Propagation
+        Not exact when the graph would have needed more than `GROWTH` times its first edges;
+        O(`GROWTH` n count) memory.
+    """
+    everyone = np.arange(len(preferences), dtype=np.int32)
+    width = min(count + 1, len(preferences))
+    room = (GROWTH - 1) * width * len(preferences)
+
+    def more(points: NDArray[np.int32], width: int) -> tuple[Floats, NDArray[np.int32]] | None:
+        nonlocal room
+        room -= len(points) * (width - width // 2)
+        return None if room < 0 else neighbours.nearest(points, width)
+
+    similarities, targets = neighbours.nearest(everyone, width)
+    similarities[:, 0] = preferences
+    found = _native.propagate_sparse_affinity(
+        similarities,
+        targets,
+        schedule.damping,
+        schedule.max_iter,
+        schedule.convergence_iter,
+        more,
+    )
+    return _propagation(found)
 
 
 def choose_among_equals(preferences: Floats, similarity: float) -> Indices:

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <map>
+
+#include "affinity_edges.hpp"
 
 namespace symrecon {
 namespace {
@@ -43,47 +46,64 @@ TopTwo top_two(const double* values, std::size_t count) {
   return found;
 }
 
-template <class Similarities>
+template <class Edges>
 class Messages {
  public:
-  Messages(const Similarities& similarities, const Checkpoint& checkpoint)
-      : similarities_(similarities),
+  Messages(Edges& edges, const Checkpoint& checkpoint)
+      : edges_(edges),
         checkpoint_(checkpoint),
-        responsibilities_(similarities.values.size(), 0.0),
-        availabilities_(similarities.values.size(), 0.0),
-        received_(similarities.size(), 0.0),
-        levels_(similarities.size(), 0.0),
-        next_received_(similarities.size()),
-        next_levels_(similarities.size()),
-        needed_(similarities.size(), -nothing),
-        evidence_(similarities.size(), 0.0),
-        undamped_(similarities.size(), 0.0) {}
+        received_(edges.size(), 0.0),
+        levels_(edges.size(), 0.0),
+        idle_availability_(edges.size(), 0.0),
+        idle_rival_(edges.size(), 0.0),
+        top_(edges.size()),
+        evidence_(edges.size(), 0.0),
+        undamped_(edges.size(), 0.0) {}
 
-  // The availabilities from the last responsibilities, then new responsibilities, row by row: each edge is read once.
-  void iterate(double damping) {
-    std::fill(next_received_.begin(), next_received_.end(), 0.0);
-    for (std::size_t i = 0; i < similarities_.size(); ++i) {
+  // The first half of an iteration: availabilities, and the largest sums of each row.
+  void update_availabilities(double damping) {
+    for (std::size_t k = 0; k < edges_.size(); ++k)
+      idle_availability_[k] = damped(damping, idle_availability_[k], std::min(0.0, levels_[k]));
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
       update_availabilities(i, damping);
+      find_top(i);
+      pause(i);
+    }
+  }
+
+  // Rows in which a missing edge might be among the two with the largest sums: availabilities are never positive.
+  std::map<std::size_t, std::vector<std::int32_t>> short_rows() const {
+    std::map<std::size_t, std::vector<std::int32_t>> found;  // by their width
+    for (std::size_t i = 0; i < edges_.size(); ++i)
+      if (edges_.missing(i) > top_[i].second) found[edges_.width(i)].push_back(static_cast<std::int32_t>(i));
+    return found;
+  }
+
+  void extend(const std::vector<std::int32_t>& points, const EdgeTable& table) {
+    edges_.extend(points, table, {idle_availability_, idle_share_, idle_rival_});
+    for (const std::int32_t i : points) find_top(i);
+  }
+
+  // The second half: responsibilities, and the evidence for each exemplar.
+  void update_responsibilities(double damping) {
+    std::fill(received_.begin(), received_.end(), 0.0);
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
       update_responsibilities(i, damping);
-      work_ += similarities_.count(i);
-      if (work_ >= cells_per_checkpoint) {
-        work_ = 0;
-        checkpoint_();
-      }
+      idle_rival_[i] = damped(damping, idle_rival_[i], top_[i].largest);
+      pause(i);
     }
-    for (std::size_t i = 0; i < similarities_.size(); ++i) {
-      const std::size_t own = similarities_.first(i) + similarities_.own(i);
-      next_levels_[i] = responsibilities_[own] + next_received_[i];
-      evidence_[i] = responsibilities_[own] + damped(damping, availabilities_[own], next_received_[i]);
-      undamped_[i] += next_received_[i];
+    idle_share_ = damped(damping, idle_share_, 1.0);
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      const auto row = edges_.row(i);
+      const double own = row.responsibility[row.own];
+      levels_[i] = own + received_[i];
+      evidence_[i] = own + damped(damping, row.availability[row.own], received_[i]);
+      undamped_[i] += received_[i];
     }
-    received_.swap(next_received_);
-    levels_.swap(next_levels_);
   }
 
   const std::vector<double>& evidence() const { return evidence_; }  // r(i, i) + a(i, i)
   const std::vector<double>& undamped() const { return undamped_; }  // the same of the last updates alone
-  std::vector<double>& needed() { return needed_; }
 
  private:
   static double damped(double damping, double old, double update) {
@@ -92,48 +112,59 @@ class Messages {
 
   // a(i, k) = min(0, r(k, k) + sum over i' not in {i, k} of max(0, r(i', k))); no minimum and no r(k, k) for k = i.
   void update_availabilities(std::size_t i, double damping) {
-    const std::size_t own = similarities_.own(i), count = similarities_.count(i);
-    const double* responsibility = responsibilities_.data() + similarities_.first(i);
-    double* availability = availabilities_.data() + similarities_.first(i);
-    const double kept = availability[own];
-    for (std::size_t place = 0; place < count; ++place) {
-      const double given = responsibility[place] > 0.0 ? responsibility[place] : 0.0;
-      const double level = levels_[similarities_.target(i, place)] - given;
-      availability[place] = damped(damping, availability[place], level < 0.0 ? level : 0.0);
+    const auto row = edges_.row(i);
+    const double kept = row.availability[row.own];
+    for (std::size_t place = 0; place < row.count; ++place) {
+      const double given = row.responsibility[place] > 0.0 ? row.responsibility[place] : 0.0;
+      const double level = levels_[row.target[place]] - given;
+      row.availability[place] = damped(damping, row.availability[place], level < 0.0 ? level : 0.0);
     }
-    availability[own] = damped(damping, kept, received_[i]);
+    row.availability[row.own] = damped(damping, kept, received_[i]);
+  }
+
+  void find_top(std::size_t i) {
+    const auto row = edges_.row(i);
+    if (sums_.size() < row.count) sums_.resize(row.count);
+    for (std::size_t place = 0; place < row.count; ++place)
+      sums_[place] = row.availability[place] + row.similarity[place];
+    top_[i] = top_two(sums_.data(), row.count);
   }
 
   // r(i, k) = s(i, k) - max over k' != k of (a(i, k') + s(i, k')).
   void update_responsibilities(std::size_t i, double damping) {
-    const std::size_t own = similarities_.own(i), count = similarities_.count(i);
-    const double* similarity = similarities_.values.data() + similarities_.first(i);
-    const double* availability = availabilities_.data() + similarities_.first(i);
-    double* responsibility = responsibilities_.data() + similarities_.first(i);
-    if (sums_.size() < count) sums_.resize(count);
-    for (std::size_t place = 0; place < count; ++place) sums_[place] = availability[place] + similarity[place];
-    const TopTwo top = top_two(sums_.data(), count);
-    needed_[i] = std::min(needed_[i], top.second);
+    const auto row = edges_.row(i);
+    const TopTwo top = top_[i];
+    const auto fresh = [&](std::size_t place) {
+      const bool is_largest = row.availability[place] + row.similarity[place] == top.largest;
+      return row.similarity[place] - (is_largest ? top.second : top.largest);
+    };
     const auto update = [&](std::size_t begin, std::size_t end) {
       for (std::size_t place = begin; place < end; ++place) {
-        const double rival = sums_[place] == top.largest ? top.second : top.largest;
-        const double found = damped(damping, responsibility[place], similarity[place] - rival);
-        responsibility[place] = found;
-        next_received_[similarities_.target(i, place)] += found > 0.0 ? found : 0.0;
+        const double found = damped(damping, row.responsibility[place], fresh(place));
+        row.responsibility[place] = found;
+        received_[row.target[place]] += found > 0.0 ? found : 0.0;
       }
     };
-    update(0, own);
-    update(own + 1, count);
-    undamped_[i] = similarity[own] - (sums_[own] == top.largest ? top.second : top.largest);
-    responsibility[own] = damped(damping, responsibility[own], undamped_[i]);
+    update(0, row.own);
+    update(row.own + 1, row.count);
+    undamped_[i] = fresh(row.own);
+    row.responsibility[row.own] = damped(damping, row.responsibility[row.own], undamped_[i]);
   }
 
-  const Similarities& similarities_;
+  void pause(std::size_t i) {
+    work_ += edges_.row(i).count;
+    if (work_ < cells_per_checkpoint) return;
+    work_ = 0;
+    checkpoint_();
+  }
+
+  Edges& edges_;
   const Checkpoint& checkpoint_;
-  std::vector<double> responsibilities_, availabilities_;  // along the edges
   std::vector<double> received_, levels_;  // of each point: its positive responsibilities; with its own one
-  std::vector<double> next_received_, next_levels_;
-  std::vector<double> needed_, evidence_, undamped_, sums_;
+  std::vector<double> idle_availability_, idle_rival_;
+  double idle_share_ = 0.0;
+  std::vector<TopTwo> top_;
+  std::vector<double> evidence_, undamped_, sums_;
   std::size_t work_ = 0;
 };
 
@@ -178,14 +209,17 @@ class Choice {
   bool oscillating_ = false;
 };
 
-template <class Similarities>
-Exemplars propagate(const Similarities& similarities, const MessageSchedule& schedule, const Checkpoint& checkpoint) {
-  Messages<Similarities> messages(similarities, checkpoint);
-  Choice choice(similarities.size());
+// Iterates until the exemplars stay; `complete` is called where missing edges can be added.
+template <class Edges, class Complete>
+Exemplars propagate(Edges& edges, const MessageSchedule& schedule, const Checkpoint& checkpoint, Complete&& complete) {
+  Messages<Edges> messages(edges, checkpoint);
+  Choice choice(edges.size());
   Exemplars found;
   found.damping = schedule.damping;
   while (!found.converged && found.iterations < schedule.most) {
-    messages.iterate(found.damping);
+    messages.update_availabilities(found.damping);
+    complete(messages, found);
+    messages.update_responsibilities(found.damping);
     choice.update(messages.evidence(), messages.undamped());
     if (choice.oscillates()) found.damping = 0.5 * (1.0 + found.damping);
     ++found.iterations;
@@ -195,20 +229,34 @@ Exemplars propagate(const Similarities& similarities, const MessageSchedule& sch
   if (choice.number() == 0 && !evidence.empty())  // stopped early: the point nearest to being an exemplar
     choice.chosen()[std::max_element(evidence.begin(), evidence.end()) - evidence.begin()] = 1;
   found.chosen = std::move(choice.chosen());
-  found.needed = std::move(messages.needed());
+  found.edges = edges.edges();
   return found;
 }
 
 }  // namespace
 
-Exemplars propagate_affinity(const SparseSimilarities& similarities, const MessageSchedule& schedule,
-                             const Checkpoint& checkpoint) {
-  return propagate(similarities, schedule, checkpoint);
+Exemplars propagate_sparse_affinity(const EdgeTable& table, const MessageSchedule& schedule, const MoreEdges& more,
+                                    const Checkpoint& checkpoint) {
+  SparseEdges edges(table, bool(more));
+  return propagate(edges, schedule, checkpoint, [&](Messages<SparseEdges>& messages, Exemplars& found) {
+    for (auto lacking = messages.short_rows(); !lacking.empty(); lacking = messages.short_rows())
+      for (const auto& [width, points] : lacking) {
+        const EdgeTable longer = more(points, std::min(2 * width, edges.size()));
+        if (longer.width > width) {
+          messages.extend(points, longer);
+        } else {
+          found.exact = false;
+          edges.stop_growing();
+          break;
+        }
+      }
+  });
 }
 
-Exemplars propagate_affinity(const DenseSimilarities& similarities, const MessageSchedule& schedule,
-                             const Checkpoint& checkpoint) {
-  return propagate(similarities, schedule, checkpoint);
+Exemplars propagate_dense_affinity(std::size_t points, View<double> similarities, const MessageSchedule& schedule,
+                                   const Checkpoint& checkpoint) {
+  DenseEdges edges(points, similarities);
+  return propagate(edges, schedule, checkpoint, [](auto&, Exemplars&) {});
 }
 
 }  // namespace symrecon

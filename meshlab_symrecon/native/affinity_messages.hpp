@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "progress.hpp"
@@ -10,30 +11,17 @@
 
 namespace symrecon {
 
-// Similarities s(i, k) along the edges that there are, in rows; the first edge of row i leads to i itself.
-struct SparseSimilarities {
-  View<std::int64_t> offsets;  // n + 1
+// Similarities s(i, k) along some edges, in rows of equal length by falling similarity; the first edge of row i leads to
+// i itself, and its similarity is the preference.  An edge with a similarity of minus infinity does not exist.
+struct EdgeTable {
+  std::size_t width = 0;
   View<std::int32_t> targets;
-  View<double> values;
-
-  std::size_t size() const { return offsets.size() - 1; }
-  std::size_t first(std::size_t i) const { return offsets[i]; }
-  std::size_t count(std::size_t i) const { return offsets[i + 1] - offsets[i]; }
-  std::size_t own(std::size_t) const { return 0; }
-  std::size_t target(std::size_t i, std::size_t place) const { return targets[offsets[i] + place]; }
+  View<double> similarities;
 };
 
-// Similarities between all: row i leads to 0 .. n - 1.
-struct DenseSimilarities {
-  std::size_t points;
-  View<double> values;
-
-  std::size_t size() const { return points; }
-  std::size_t first(std::size_t i) const { return i * points; }
-  std::size_t count(std::size_t) const { return points; }
-  std::size_t own(std::size_t i) const { return i; }
-  std::size_t target(std::size_t, std::size_t place) const { return place; }
-};
+// Longer rows for some points, or a table of width 0 when there is no room for them.  What it looks at stays valid until
+// the next call.
+using MoreEdges = std::function<EdgeTable(const std::vector<std::int32_t>& points, std::size_t width)>;
 
 struct MessageSchedule {
   double damping;     // share of the old message kept
@@ -43,15 +31,20 @@ struct MessageSchedule {
 
 struct Exemplars {
   std::vector<std::uint8_t> chosen;  // at least one, even when stopped early
-  std::vector<double> needed;        // an edge of row i that is no more similar would never have changed a message
   bool converged = false;
+  bool exact = true;  // no edge was missing that could have changed a message
   std::int32_t iterations = 0;
-  double damping = 0.0;  // in the end: oscillation raises it
+  double damping = 0.0;   // in the end: oscillation raises it
+  std::size_t edges = 0;  // in the end
 };
 
-Exemplars propagate_affinity(const SparseSimilarities& similarities, const MessageSchedule& schedule,
-                             const Checkpoint& checkpoint);
-Exemplars propagate_affinity(const DenseSimilarities& similarities, const MessageSchedule& schedule,
-                             const Checkpoint& checkpoint);
+// Messages along the edges of the table.  `more`, if given, is asked for longer rows where the least similar edge is not
+// certainly without influence, so that the messages are those between all points.
+Exemplars propagate_sparse_affinity(const EdgeTable& table, const MessageSchedule& schedule, const MoreEdges& more,
+                                    const Checkpoint& checkpoint);
+
+// Messages between all points: `similarities` is square, with the preferences on its diagonal.
+Exemplars propagate_dense_affinity(std::size_t points, View<double> similarities, const MessageSchedule& schedule,
+                                   const Checkpoint& checkpoint);
 
 }  // namespace symrecon
