@@ -138,17 +138,17 @@ class Messages {
       const bool is_largest = row.availability[place] + row.similarity[place] == top.largest;
       return row.similarity[place] - (is_largest ? top.second : top.largest);
     };
-    const auto update = [&](std::size_t begin, std::size_t end) {
-      for (std::size_t place = begin; place < end; ++place) {
-        const double found = damped(damping, row.responsibility[place], fresh(place));
-        row.responsibility[place] = found;
-        received_[row.target[place]] += found > 0.0 ? found : 0.0;
-      }
+    const double own = row.responsibility[row.own];
+    for (std::size_t place = 0; place < row.count; ++place)
+      row.responsibility[place] = damped(damping, row.responsibility[place], fresh(place));
+    const auto give = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t place = begin; place < end; ++place)
+        if (row.responsibility[place] > 0.0) received_[row.target[place]] += row.responsibility[place];
     };
-    update(0, row.own);
-    update(row.own + 1, row.count);
+    give(0, row.own);
+    give(row.own + 1, row.count);
     undamped_[i] = fresh(row.own);
-    row.responsibility[row.own] = damped(damping, row.responsibility[row.own], undamped_[i]);
+    row.responsibility[row.own] = damped(damping, own, undamped_[i]);
   }
 
   void pause(std::size_t i) {
