@@ -191,10 +191,11 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
                 message = f"{name} must lie between {low:g} and {high:g}; got {value!r}; change it"
                 raise ParameterError(message)
         preference = np.asarray(0.0 if self.preference is None else self.preference)
-        if preference.shape not in ((), (count,)) or not np.isfinite(preference).all():
+        numbers = preference.dtype.kind in "iuf" and np.isfinite(preference).all()
+        if preference.shape not in ((), (count,)) or not numbers:
             message = (
-                f"preference must be one finite number or {count}, one a row; got shape "
-                f"{preference.shape}; change it"
+                f"preference must be one finite number or {count}, one a row; got "
+                f"{self.preference!r:.60}; change it, or give a quantile as quantile"
             )
             raise ParameterError(message)
         if self.n_neighbors is None and count > DENSE_LIMIT:
