@@ -60,12 +60,12 @@ class Messages {
         evidence_(edges.size(), 0.0),
         undamped_(edges.size(), 0.0) {}
 
-  // The first half of an iteration: availabilities, and the largest sums of each row.
-  void update_availabilities(double damping) {
+  // The availabilities that end the last iteration, and the largest sums of each row.
+  void update_availabilities() {
     for (std::size_t k = 0; k < edges_.size(); ++k)
-      idle_availability_[k] = damped(damping, idle_availability_[k], std::min(0.0, levels_[k]));
+      idle_availability_[k] = damped(damping_, idle_availability_[k], std::min(0.0, levels_[k]));
     for (std::size_t i = 0; i < edges_.size(); ++i) {
-      update_availabilities(i, damping);
+      update_availabilities(i);
       find_top(i);
       pause(i);
     }
@@ -84,20 +84,21 @@ class Messages {
     for (const std::int32_t i : points) find_top(i);
   }
 
-  // The second half: responsibilities, and the evidence for each exemplar.
+  // The responsibilities of an iteration, and the evidence for each exemplar at its end.
   void update_responsibilities(double damping) {
+    damping_ = damping;
     std::fill(received_.begin(), received_.end(), 0.0);
     for (std::size_t i = 0; i < edges_.size(); ++i) {
-      update_responsibilities(i, damping);
-      idle_rival_[i] = damped(damping, idle_rival_[i], top_[i].largest);
+      update_responsibilities(i);
+      idle_rival_[i] = damped(damping_, idle_rival_[i], top_[i].largest);
       pause(i);
     }
-    idle_share_ = damped(damping, idle_share_, 1.0);
+    idle_share_ = damped(damping_, idle_share_, 1.0);
     for (std::size_t i = 0; i < edges_.size(); ++i) {
       const auto row = edges_.row(i);
       const double own = row.responsibility[row.own];
       levels_[i] = own + received_[i];
-      evidence_[i] = own + damped(damping, row.availability[row.own], received_[i]);
+      evidence_[i] = own + damped(damping_, row.availability[row.own], received_[i]);
       undamped_[i] += received_[i];
     }
   }
@@ -111,9 +112,9 @@ class Messages {
   }
 
   // a(i, k) = min(0, r(k, k) + sum over i' not in {i, k} of max(0, r(i', k))); no minimum and no r(k, k) for k = i.
-  void update_availabilities(std::size_t i, double damping) {
+  void update_availabilities(std::size_t i) {
     const auto row = edges_.row(i);
-    const double kept = row.availability[row.own];
+    const double damping = damping_, kept = row.availability[row.own];
     for (std::size_t place = 0; place < row.count; ++place) {
       const double given = row.responsibility[place] > 0.0 ? row.responsibility[place] : 0.0;
       const double level = levels_[row.target[place]] - given;
@@ -131,14 +132,14 @@ class Messages {
   }
 
   // r(i, k) = s(i, k) - max over k' != k of (a(i, k') + s(i, k')).
-  void update_responsibilities(std::size_t i, double damping) {
+  void update_responsibilities(std::size_t i) {
     const auto row = edges_.row(i);
     const TopTwo top = top_[i];
     const auto fresh = [&](std::size_t place) {
       const bool is_largest = row.availability[place] + row.similarity[place] == top.largest;
       return row.similarity[place] - (is_largest ? top.second : top.largest);
     };
-    const double own = row.responsibility[row.own];
+    const double damping = damping_, own = row.responsibility[row.own];
     for (std::size_t place = 0; place < row.count; ++place)
       row.responsibility[place] = damped(damping, row.responsibility[place], fresh(place));
     const auto give = [&](std::size_t begin, std::size_t end) {
@@ -163,6 +164,7 @@ class Messages {
   std::vector<double> received_, levels_;  // of each point: its positive responsibilities; with its own one
   std::vector<double> idle_availability_, idle_rival_;
   double idle_share_ = 0.0;
+  double damping_ = 0.0;  // of this iteration
   std::vector<TopTwo> top_;
   std::vector<double> evidence_, undamped_, sums_;
   std::size_t work_ = 0;
@@ -217,7 +219,7 @@ Exemplars propagate(Edges& edges, const MessageSchedule& schedule, const Checkpo
   Exemplars found;
   found.damping = schedule.damping;
   while (!found.converged && found.iterations < schedule.most) {
-    messages.update_availabilities(found.damping);
+    messages.update_availabilities();
     complete(messages, found);
     messages.update_responsibilities(found.damping);
     choice.update(messages.evidence(), messages.undamped());

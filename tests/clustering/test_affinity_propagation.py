@@ -52,7 +52,9 @@ def test_exemplars_are_those_of_scikit_learn(kind, share, dimensions):
     rng = np.random.default_rng(dimensions)
     rows = rng.random((250, dimensions)) if uniform else clusters(250, dimensions, dimensions)
     squares = ((rows[:, np.newaxis] - rows) ** 2).sum(axis=2)
-    settings = {"damping": 0.8, "max_iter": 1000, "preference": np.quantile(-squares, share)}
+    ties = 1 + 1e-6 * rng.random(250)  # of clusters of two, whose members are equally good
+    preference = np.quantile(-squares, share) * ties
+    settings = {"damping": 0.8, "max_iter": 1000, "preference": preference}
     reference = Reference(**settings, random_state=0).fit(rows)
     assert reference.n_iter_ < 1000
     dense = AffinityPropagation(**settings, n_neighbors=None).fit(rows)

@@ -29,8 +29,9 @@ def responsibilities(s, a):
 def availabilities(r):
     received = np.maximum(r, 0.0)
     np.fill_diagonal(received, 0.0)
-    a = np.minimum(0.0, np.diagonal(r) + received.sum(axis=0) - received)
-    np.fill_diagonal(a, received.sum(axis=0))
+    totals = np.add.accumulate(received)[-1]  # in this order
+    a = np.minimum(0.0, np.diagonal(r) + totals - received)
+    np.fill_diagonal(a, totals)
     return a
 
 
