@@ -257,3 +257,15 @@ def mirror_pairs(
     least_cosine: float,
 ) -> NDArray[np.int32]: ...
 def farthest_points(points: NDArray[np.float64], count: int, first: int) -> NDArray[np.int64]: ...
+def propagate_sparse_affinity(
+    similarities: NDArray[np.float64],
+    targets: NDArray[np.int32],
+    damping: float,
+    most: int,
+    calm: int,
+    more: Callable[[NDArray[np.int32], int], tuple[NDArray[np.float64], NDArray[np.int32]] | None]
+    | None = None,
+) -> tuple[NDArray[np.uint8], bool, bool, int, float, int]: ...
+def propagate_dense_affinity(
+    similarities: NDArray[np.float64], damping: float, most: int, calm: int
+) -> tuple[NDArray[np.uint8], bool, bool, int, float, int]: ...

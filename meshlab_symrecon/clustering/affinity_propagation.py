@@ -7,26 +7,29 @@ from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, ClusterMixin
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from meshlab_symrecon.arrays import Floats, Indices
-from meshlab_symrecon.clustering.messages import Propagation, propagate_dense, propagate_sparse
-from meshlab_symrecon.clustering.neighbour_graph import (
-    best_members,
-    dense_similarities,
-    nearest_exemplars,
-    neighbour_graph,
+from meshlab_symrecon.clustering.assignment import best_members, nearest_exemplars
+from meshlab_symrecon.clustering.messages import (
+    Propagation,
+    Schedule,
+    choose_among_equals,
+    propagate_dense,
+    propagate_neighbours,
 )
+from meshlab_symrecon.clustering.neighbour_graph import Neighbours
+from meshlab_symrecon.clustering.similarities import all_similarities, similarity_quantile
 from meshlab_symrecon.errors import ParameterError
 
 __all__ = ["AffinityPropagation"]
 
-DENSE_LIMIT = 6_000  # rows; five n x n matrices of float64 are 1.4 GB there
-TIE_BREAK = 1e-12  # of the largest similarity: breaks ties, far below any measurement
+DENSE_LIMIT = 6_000  # rows; three n x n matrices of float64 are 0.9 GB there
+TIE_BREAK = 1e-12  # of the largest preference: breaks ties, far below any measurement
 
 
 class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
@@ -39,19 +42,21 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
     preference : float, (n,) array or None
         Similarity of each point to itself: the larger, the more exemplars. None takes ``quantile``.
     quantile : float
-        Quantile of the similarities used as preference when ``preference`` is None; 0.5 is the
-        median.
+        Quantile of the similarities between different points used as preference when
+        ``preference`` is None; 0.5 is the median. Beyond 2000 rows of two million random pairs.
     damping : float
-        Share of the old message kept in each iteration, at least 0.5, below 1.
+        Share of the old message kept in each iteration, at least 0.5, below 1. Where exemplars
+        oscillate it is raised; see ``damping_``.
     max_iter : int
         Most iterations.
     convergence_iter : int
         Iterations without a change of the exemplars that count as converged.
     n_neighbors : int or None
-        Edges from each point in the sparse form, O(n n_neighbors) memory; None sends messages
-        between all points, O(n^2), up to 6000 points.
+        Edges from each point in the beginning; the graph grows where missing edges could have
+        changed a message, up to 32 times as many in all. None sends messages between all points,
+        O(n^2) memory, up to 6000 rows.
     random_state : int, RandomState or None
-        Source of the tiny noise that breaks ties.
+        Source of the tiny noise that breaks ties, and of the pairs for ``quantile``.
 
     Attributes
     ----------
@@ -63,8 +68,15 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         Index of the nearest exemplar for each point; never -1.
     converged_ : bool
         False when stopped at ``max_iter``: the exemplars are valid, but not settled.
+    exact_ : bool
+        The sparse form proved that messages between all points give the same exemplars; always
+        True in the dense form. False: preferences too low for so many neighbours.
     n_iter_ : int
         Iterations done.
+    damping_ : float
+        Damping of the last iteration, more than ``damping`` if exemplars oscillated.
+    n_edges_ : int
+        Edges that carried messages in the end.
 
     Notes
     -----
@@ -79,9 +91,9 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         preference: float | ArrayLike | None = None,
         quantile: float = 0.5,
         damping: float = 0.7,
-        max_iter: int = 300,
+        max_iter: int = 1000,
         convergence_iter: int = 15,
-        n_neighbors: int | None = None,
+        n_neighbors: int | None = 32,
         random_state: int | np.random.RandomState | None = 0,
     ) -> None:
         self.preference = preference
@@ -114,20 +126,24 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         """
         rows: Floats = validate_data(self, X, dtype=np.float64)
         self._check_parameters(len(rows))
-        found, preferences = self._propagate(rows)
+        preferences = self._preferences(rows)
+        found = self._propagate(rows, preferences)
         if not found.converged:
             message = (
                 f"affinity propagation has not converged after {found.iterations} iterations; "
                 "raise damping or max_iter"
             )
             warnings.warn(message, ConvergenceWarning, stacklevel=2)
-        found_exemplars = best_members(rows, preferences, found.exemplars)
-        self.cluster_centers_indices_ = found_exemplars
-        self.cluster_centers_ = rows[found_exemplars]
+        exemplars = best_members(rows, preferences, found.exemplars)
+        self.cluster_centers_indices_ = exemplars
+        self.cluster_centers_ = rows[exemplars]
         self.labels_ = nearest_exemplars(rows, self.cluster_centers_)
-        self.labels_[found_exemplars] = np.arange(len(found_exemplars))
+        self.labels_[exemplars] = np.arange(len(exemplars))  # whatever duplicates there are
         self.converged_ = found.converged
+        self.exact_ = found.exact
         self.n_iter_ = found.iterations
+        self.damping_ = found.damping
+        self.n_edges_ = found.edges
         return self
 
     def predict(self, X: ArrayLike) -> Indices:
@@ -136,37 +152,28 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         rows = validate_data(self, X, dtype=np.float64, reset=False)
         return nearest_exemplars(rows, self.cluster_centers_)
 
-    def _propagate(self, rows: Floats) -> tuple[Propagation, Floats]:
-        if len(rows) == 1:
-            return Propagation(np.zeros(1, dtype=np.int64), True, 0), np.zeros(1)
+    def _propagate(self, rows: Floats, preferences: Floats) -> Propagation:
+        schedule = Schedule(self.damping, self.max_iter, self.convergence_iter)
+        if len(rows) < 3 or (rows == rows[0]).all():
+            similarity = -float(((rows[0] - rows[-1]) ** 2).sum())
+            chosen = choose_among_equals(preferences, similarity)
+            return Propagation(chosen, True, True, 0, self.damping, len(rows) ** 2)
         if self.n_neighbors is None:
-            similarities = dense_similarities(rows)
-            edges = similarities[~np.eye(len(rows), dtype=bool)]
-            preferences = self._preferences(edges, len(rows))
-            np.fill_diagonal(similarities, preferences)
-            self._break_ties(similarities)
-            found = propagate_dense(
-                similarities, self.damping, self.max_iter, self.convergence_iter
-            )
-            return found, preferences
-        similarities, targets = neighbour_graph(rows, self.n_neighbors)
-        preferences = self._preferences(similarities[:, 1:], len(rows))
-        similarities[:, 0] = preferences
-        self._break_ties(similarities)
-        found = propagate_sparse(
-            similarities, targets, self.damping, self.max_iter, self.convergence_iter
-        )
-        return found, preferences
+            return propagate_dense(all_similarities(rows, preferences), schedule)
+        return propagate_neighbours(Neighbours(rows), preferences, self.n_neighbors, schedule)
 
-    def _preferences(self, edges: Floats, count: int) -> NDArray[np.float64]:
-        if self.preference is None:
-            return np.full(count, np.quantile(edges, self.quantile))
-        return np.broadcast_to(np.asarray(self.preference, dtype=np.float64), count)
-
-    def _break_ties(self, similarities: Floats) -> None:
-        scale = TIE_BREAK * max(float(np.abs(similarities).max()), float(np.finfo(np.float64).tiny))
+    def _preferences(self, rows: Floats) -> Floats:
+        """Return one preference a row, with the noise that breaks ties."""
         random = check_random_state(self.random_state)
-        similarities += scale * random.standard_normal(similarities.shape)
+        if self.preference is not None:
+            given = np.asarray(self.preference, dtype=np.float64)
+        elif len(rows) == 1:
+            given = np.zeros(1)
+        else:
+            given = np.asarray(similarity_quantile(rows, self.quantile, random))
+        noise = TIE_BREAK * np.abs(given).max() * random.standard_normal(len(rows))
+        preferences: Floats = given - np.abs(noise)  # never above a similarity of the same value
+        return preferences
 
     def _check_parameters(self, count: int) -> None:
         ranges: dict[str, tuple[Any, float, float]] = {
@@ -184,10 +191,11 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
                 message = f"{name} must lie between {low:g} and {high:g}; got {value!r}; change it"
                 raise ParameterError(message)
         preference = np.asarray(0.0 if self.preference is None else self.preference)
-        if preference.shape not in ((), (count,)) or not np.isfinite(preference).all():
+        numbers = preference.dtype.kind in "iuf" and np.isfinite(preference).all()
+        if preference.shape not in ((), (count,)) or not numbers:
             message = (
-                f"preference must be one finite number or {count}, one a row; got shape "
-                f"{preference.shape}; change it"
+                f"preference must be one finite number or {count}, one a row; got "
+                f"{self.preference!r:.60}; change it, or give a quantile as quantile"
             )
             raise ParameterError(message)
         if self.n_neighbors is None and count > DENSE_LIMIT:

@@ -1,214 +1,180 @@
-"""The messages of affinity propagation, dense and on a sparse neighbour graph (Frey, Dueck 2007).
+"""The messages of affinity propagation, dense and along the edges of a graph (Frey, Dueck 2007).
 
-Notation of the paper: similarity ``s(i, k)``, responsibility ``r(i, k)``, availability ``a(i, k)``.
-The preference of point k is ``s(k, k)``. In the sparse form row i holds only the k-edges of a
-neighbour graph, **itself first**; sums and maxima run over the edges there are, so that one
-iteration takes O(edges) time and memory.
+With similarities ``s(i, k)``, the preference of point k being ``s(k, k)``, responsibilities and
+availabilities start at 0 and are updated in turn, both damped::
+
+    r(i, k) <- s(i, k) - max over k' != k of (a(i, k') + s(i, k'))
+    a(i, k) <- min(0, r(k, k) + sum over i' not in {i, k} of max(0, r(i', k)))    i != k
+    a(k, k) <- sum over i' != k of max(0, r(i', k))
+
+Point k is an exemplar when ``r(k, k) + a(k, k) > 0``. On a graph sums and maxima run over the edges
+there are, and an iteration takes O(edges) time and memory.
+
+Notes
+-----
+Beyond the paper: iterations count as converged only while the updates before damping call the same
+points exemplars, since strongly moving messages can keep a wrong choice for long; and whenever a
+point has turned exemplar and back again and again, the damping rises halfway to 1.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from meshlab_symrecon.arrays import Booleans, Floats, Indices
+from meshlab_symrecon import _native
+from meshlab_symrecon.arrays import Floats, Indices
+from meshlab_symrecon.clustering.neighbour_graph import Neighbours
 
 __all__ = [
+    "GROWTH",
     "Propagation",
-    "dense_availabilities",
-    "dense_responsibilities",
+    "Schedule",
+    "choose_among_equals",
     "propagate_dense",
+    "propagate_neighbours",
     "propagate_sparse",
-    "sparse_availabilities",
-    "sparse_responsibilities",
 ]
+
+GROWTH = 32  # edges in the end / edges in the beginning, at most
+
+
+@dataclass(frozen=True, slots=True)
+class Schedule:
+    """How messages are damped, and when they stop."""
+
+    damping: float  # share of the old message kept, 0.5 to 1
+    max_iter: int  # most iterations
+    convergence_iter: int  # iterations with the same exemplars that count as converged
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Propagation:
     """Where message passing ended."""
 
-    exemplars: Indices  # (m,)  indices of the exemplars, ascending, at least one for any input row
+    exemplars: Indices  # (m,)  indices of the exemplars, ascending, at least one
     converged: bool  # False: stopped at the iteration limit
+    exact: bool  # False: a missing edge could have changed a message
     iterations: int  # number of iterations done
+    damping: float  # of the last one: oscillation raises it
+    edges: int  # in the end, those of points to themselves included
 
 
-def _responsibilities(similarities: Floats, availabilities: Floats) -> Floats:
-    """Row-wise ``r(i, k) = s(i, k) - max over k' != k of (a(i, k') + s(i, k'))``."""
-    rows = np.arange(len(similarities))
-    sums = availabilities + similarities
-    best = np.argmax(sums, axis=1)
-    largest = sums[rows, best]
-    sums[rows, best] = -np.inf
-    second = sums.max(axis=1)
-    found: Floats = similarities - largest[:, np.newaxis]
-    found[rows, best] = similarities[rows, best] - second
-    return found
+def _propagation(found: tuple[NDArray[np.uint8], bool, bool, int, float, int]) -> Propagation:
+    return Propagation(np.flatnonzero(found[0]), *found[1:])
 
 
-def dense_responsibilities(similarities: Floats, availabilities: Floats) -> Floats:
-    """Return ``r(i, k) = s(i, k) - max over k' != k of (a(i, k') + s(i, k'))``.
-
-    Parameters
-    ----------
-    similarities, availabilities : (n, n) float
-        ``s`` with the preferences on its diagonal, and ``a``; n at least 2.
-
-    Returns
-    -------
-    (n, n) float
-        Responsibilities.
-    """
-    return _responsibilities(similarities, availabilities)
-
-
-def dense_availabilities(responsibilities: Floats) -> Floats:
-    """Return ``a(i, k) = min(0, r(k, k) + sum over i' not in {i, k} of max(0, r(i', k)))``.
-
-    On the diagonal there is neither the minimum nor r(k, k).
-
-    Parameters
-    ----------
-    responsibilities : (n, n) float
-        ``r``.
-
-    Returns
-    -------
-    (n, n) float
-        Availabilities.
-    """
-    own = np.diagonal(responsibilities).copy()
-    received = np.maximum(responsibilities, 0.0)
-    np.fill_diagonal(received, 0.0)
-    totals = received.sum(axis=0)
-    found: Floats = np.minimum(0.0, (own + totals)[np.newaxis, :] - received)
-    np.fill_diagonal(found, totals)
-    return found
-
-
-def sparse_responsibilities(similarities: Floats, availabilities: Floats) -> Floats:
-    """Return the responsibilities along the edges of a neighbour graph.
-
-    Parameters
-    ----------
-    similarities, availabilities : (n, k) float
-        ``s`` and ``a`` on the edges, the point itself first; k at least 2. An edge with ``s =
-        -inf`` does not exist.
-
-    Returns
-    -------
-    (n, k) float
-        Responsibilities, ``-inf`` on edges that do not exist.
-    """
-    return _responsibilities(similarities, availabilities)
-
-
-def sparse_availabilities(responsibilities: Floats, targets: Indices) -> Floats:
-    """Return the availabilities along the edges of a neighbour graph.
-
-    Parameters
-    ----------
-    responsibilities : (n, k) float
-        ``r`` on the edges.
-    targets : (n, k) int
-        Where each edge ends; ``targets[i, 0] == i``.
-
-    Returns
-    -------
-    (n, k) float
-        Availabilities.
-    """
-    own = responsibilities[:, 0]
-    received = np.maximum(responsibilities, 0.0)
-    received[:, 0] = 0.0
-    totals = np.bincount(targets.ravel(), weights=received.ravel(), minlength=len(targets))
-    found: Floats = np.minimum(0.0, (own + totals)[targets] - received)
-    found[:, 0] = totals
-    return found
-
-
-def _propagate(
-    similarities: Floats,
-    availability_rule: Callable[[Floats], Floats],
-    self_messages: Callable[[Floats], Floats],
-    schedule: tuple[float, int, int],
-) -> Propagation:
-    damping, max_iter, convergence_iter = schedule
-    responsibilities = np.zeros_like(similarities)
-    availabilities = np.zeros_like(similarities)
-    chosen: Booleans = np.zeros(len(similarities), dtype=bool)
-    unchanged = iteration = 0
-    for iteration in range(1, max_iter + 1):  # reported
-        update = _responsibilities(similarities, availabilities)
-        responsibilities = damping * responsibilities + (1.0 - damping) * update
-        update = availability_rule(responsibilities)
-        availabilities = damping * availabilities + (1.0 - damping) * update
-        before, chosen = chosen, self_messages(responsibilities + availabilities) > 0.0
-        unchanged = unchanged + 1 if np.array_equal(before, chosen) else 1
-        if unchanged >= convergence_iter and chosen.any():
-            return Propagation(np.flatnonzero(chosen), True, iteration)
-    if not chosen.any():  # stopped early: the point nearest to being an exemplar
-        chosen[np.argmax(self_messages(responsibilities + availabilities))] = True
-    return Propagation(np.flatnonzero(chosen), False, iteration)
-
-
-def propagate_dense(
-    similarities: Floats, damping: float, max_iter: int, convergence_iter: int
-) -> Propagation:
+def propagate_dense(similarities: Floats, schedule: Schedule) -> Propagation:
     """Pass messages between all points until the exemplars stay the same.
 
     Parameters
     ----------
     similarities : (n, n) float
-        ``s`` with preferences on the diagonal; n at least 2.
-    damping : float
-        Share of the old message kept, 0.5 to 1.
-    max_iter : int
-        Most iterations.
-    convergence_iter : int
-        Iterations without a change of the exemplars that count as converged.
+        ``s`` with preferences on the diagonal.
+    schedule : Schedule
+        Damping and limits.
 
     Returns
     -------
     Propagation
         Exemplars; never empty, even when stopped early.
     """
-    return _propagate(
-        similarities,
-        dense_availabilities,
-        lambda messages: np.diagonal(messages),
-        (damping, max_iter, convergence_iter),
+    found = _native.propagate_dense_affinity(
+        np.ascontiguousarray(similarities, dtype=np.float64),
+        schedule.damping,
+        schedule.max_iter,
+        schedule.convergence_iter,
     )
+    return _propagation(found)
 
 
 def propagate_sparse(
     similarities: Floats, targets: Indices, damping: float, max_iter: int, convergence_iter: int
 ) -> Propagation:
-    """Pass messages along the edges of a neighbour graph until the exemplars stay the same.
+    """Pass messages along given edges until the exemplars stay the same.
 
     Parameters
     ----------
     similarities : (n, k) float
-        ``s`` on the edges, the preference first; k at least 2.
+        ``s`` on the edges, the preference first. An edge with ``s = -inf`` does not exist.
     targets : (n, k) int
         Where each edge ends; ``targets[i, 0] == i``.
-    damping : float
-        Share of the old message kept, 0.5 to 1.
-    max_iter : int
-        Most iterations.
-    convergence_iter : int
-        Iterations without a change of the exemplars that count as converged.
+    damping, max_iter, convergence_iter
+        As in `Schedule`.
 
     Returns
     -------
     Propagation
-        Exemplars; never empty, even when stopped early.
+        Exemplars; never empty, even when stopped early. These edges are all there are: exact.
     """
-    return _propagate(
-        similarities,
-        lambda responsibilities: sparse_availabilities(responsibilities, targets),
-        lambda messages: messages[:, 0],
-        (damping, max_iter, convergence_iter),
+    found = _native.propagate_sparse_affinity(
+        np.ascontiguousarray(similarities, dtype=np.float64),
+        np.ascontiguousarray(targets, dtype=np.int32),
+        damping,
+        max_iter,
+        convergence_iter,
     )
+    return _propagation(found)
+
+
+def propagate_neighbours(
+    neighbours: Neighbours, preferences: Floats, count: int, schedule: Schedule
+) -> Propagation:
+    """Pass messages between neighbours, as many as it takes to choose as if between all.
+
+    Since ``a(i, k) <= 0``, a missing edge whose similarity is no larger than the second largest sum
+    ``a(i, k') + s(i, k')`` of its row is not one of the two largest, and its responsibility is not
+    positive: it changes no message. Where that is not certain the row gets twice as many edges, in
+    the middle of the iteration. The messages that a new edge would carry are known: it never sent a
+    positive responsibility, so its availability is that of every such edge to its target.
+
+    Parameters
+    ----------
+    neighbours : Neighbours
+        Where edges come from.
+    preferences : (n,) float
+        Similarity of each point to itself.
+    count : int
+        Edges from each point in the beginning, without the one to itself; at least 1.
+    schedule : Schedule
+        Damping and limits.
+
+    Returns
+    -------
+    Propagation
+        Not exact when the graph would have needed more than `GROWTH` times its first edges;
+        O(`GROWTH` n count) memory.
+    """
+    everyone = np.arange(len(preferences), dtype=np.int32)
+    width = min(count + 1, len(preferences))
+    room = (GROWTH - 1) * width * len(preferences)
+
+    def more(points: NDArray[np.int32], width: int) -> tuple[Floats, NDArray[np.int32]] | None:
+        nonlocal room
+        room -= len(points) * (width - width // 2)
+        return None if room < 0 else neighbours.nearest(points, width)
+
+    similarities, targets = neighbours.nearest(everyone, width)
+    similarities[:, 0] = preferences
+    found = _native.propagate_sparse_affinity(
+        similarities,
+        targets,
+        schedule.damping,
+        schedule.max_iter,
+        schedule.convergence_iter,
+        more,
+    )
+    return _propagation(found)
+
+
+def choose_among_equals(preferences: Floats, similarity: float) -> Indices:
+    """Return the exemplars that maximise the net similarity of points that are all equally similar.
+
+    The point with the largest preference, the first among equals, and all whose preference exceeds
+    the similarity. Messages between such points have no reason to prefer one to another.
+    """
+    chosen = preferences > similarity
+    chosen[np.argmax(preferences)] = True
+    return np.flatnonzero(chosen)

@@ -3,11 +3,49 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from meshlab_symrecon.arrays import Floats, Indices
 
-__all__ = ["best_members", "dense_similarities", "nearest_exemplars", "neighbour_graph"]
+__all__ = ["Neighbours", "neighbour_graph"]
+
+
+class Neighbours:
+    """Nearest rows among given ones."""
+
+    def __init__(self, rows: Floats) -> None:
+        self._tree = cKDTree(rows)
+
+    def nearest(self, members: NDArray[np.int32], count: int) -> tuple[Floats, NDArray[np.int32]]:
+        """Connect rows with themselves, which comes first, and with their nearest other rows.
+
+        Parameters
+        ----------
+        members : (m,) int
+            Rows to connect.
+        count : int
+            Edges of each, the one to itself included; at most all rows.
+
+        Returns
+        -------
+        similarities : (m, count) float
+            Negative squared distances, falling, 0 to itself.
+        targets : (m, count) int
+            Where each edge ends.
+        """
+        distances, targets = self._tree.query(self._tree.data[members], k=count)
+        distances = distances.reshape(len(members), count)
+        targets = targets.reshape(len(members), count).astype(np.int32)
+        # Among duplicates the row itself may come later, or not at all: move it to the front.
+        own = np.arange(len(members))
+        place = np.argmax(targets == members[:, np.newaxis], axis=1)
+        place = np.where(targets[own, place] == members, place, count - 1)
+        targets[own, place] = targets[:, 0]
+        distances[own, place] = distances[:, 0]
+        targets[:, 0] = members
+        distances[:, 0] = 0.0
+        return -(distances**2), targets
 
 
 def neighbour_graph(rows: Floats, neighbours: int) -> tuple[Floats, Indices]:
@@ -27,64 +65,6 @@ def neighbour_graph(rows: Floats, neighbours: int) -> tuple[Floats, Indices]:
     targets : (n, k) int
         Where each edge ends.
     """
-    count = min(neighbours + 1, len(rows))
-    distances, targets = cKDTree(rows).query(rows, k=count)
-    distances = distances.reshape(len(rows), count)
-    targets = targets.reshape(len(rows), count).astype(np.int64)
-    own = np.arange(len(rows))
-    # Among duplicates the row itself may come later, or not at all: swap it to the front.
-    place = np.argmax(targets == own[:, np.newaxis], axis=1)
-    present = targets[own, place] == own
-    place = np.where(present, place, count - 1)
-    targets[own, place] = targets[:, 0]
-    distances[own, place] = distances[:, 0]
-    targets[:, 0] = own
-    distances[:, 0] = 0.0
-    return -(distances**2), targets
-
-
-def dense_similarities(rows: Floats) -> Floats:
-    """Return the negative squared distances between all rows, (n, n) floats."""
-    squares = (rows**2).sum(axis=1)
-    similarities: Floats = 2.0 * (rows @ rows.T) - squares[:, np.newaxis] - squares[np.newaxis, :]
-    np.minimum(similarities, 0.0, out=similarities)
-    np.fill_diagonal(similarities, 0.0)
-    return similarities
-
-
-def nearest_exemplars(rows: Floats, centres: Floats) -> Indices:
-    """Return the index of the centre nearest to each row."""
-    found: Indices = cKDTree(centres).query(rows)[1].astype(np.int64)
-    return found
-
-
-def best_members(rows: Floats, preferences: Floats, exemplars: Indices) -> Indices:
-    """Elect in each cluster the member with the largest sum of similarities.
-
-    The sum of squared distances to the members of a cluster needs only their number, mean and
-    spread, so that this takes O(n) time and memory.
-
-    Parameters
-    ----------
-    rows : (n, d) float
-        Positions.
-    preferences : (n,) float
-        Similarity of each row to itself.
-    exemplars : (m,) int
-        Exemplars; each row belongs to the nearest one.
-
-    Returns
-    -------
-    (m,) int
-        Elected members, ascending.
-    """
-    labels = nearest_exemplars(rows, rows[exemplars])
-    labels[exemplars] = np.arange(len(exemplars))
-    sizes = np.bincount(labels, minlength=len(exemplars))
-    sums = [np.bincount(labels, weights=column) for column in rows.T]
-    means = np.stack(sums, axis=1) / sizes[:, np.newaxis]
-    # Sum of squares about a member = the same about the mean + size times the distance to the mean.
-    losses = sizes[labels] * ((rows - means[labels]) ** 2).sum(axis=1) - preferences
-    order = np.lexsort((losses, labels))
-    first = np.flatnonzero(np.diff(labels[order], prepend=-1))
-    return np.sort(order[first])
+    everyone = np.arange(len(rows), dtype=np.int32)
+    similarities, targets = Neighbours(rows).nearest(everyone, min(neighbours + 1, len(rows)))
+    return similarities, targets.astype(np.int64)

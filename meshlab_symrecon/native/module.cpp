@@ -134,6 +134,7 @@ NB_MODULE(_native, module) {
   module.def("fine_power_determinant", &fine_power_determinant_of, nb::arg("points"), nb::arg("weights"),
              nb::arg("fused"));
   module.def("perturbed_power_test", &perturbed_power_test_of, nb::arg("points"), nb::arg("weights"));
+  bind_clustering(module);
   bind_crust(module);
   bind_noise(module);
   bind_labels(module);
