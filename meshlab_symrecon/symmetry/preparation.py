@@ -8,14 +8,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from meshlab_symrecon import _native
-from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
+from meshlab_symrecon.arrays import Booleans, Floats, Indices, Planes, Points
 from meshlab_symrecon.geometry.bounds import robust_diagonal
 from meshlab_symrecon.geometry.neighbours import (
     NearestField,
     border_points,
     nearest_field,
     principal_normals,
-    without_outliers,
 )
 from meshlab_symrecon.geometry.sampling import (
     canonical_order,
@@ -24,31 +23,27 @@ from meshlab_symrecon.geometry.sampling import (
     thin_by_voxels,
     voxel_means,
 )
-from meshlab_symrecon.symmetry.plinth import off_plinth
+from meshlab_symrecon.symmetry.cleaning import without_clutter
+from meshlab_symrecon.symmetry.orientation import orient
 
 __all__ = ["PreparedCloud", "prepare"]
 
 # All lengths of the prepared cloud are in robust diagonals of the cloud without clutter and plinth.
-DENSE_COUNT = 40_000  # points of the level on which clutter is found and normals are fitted
 BASE_COUNT = 8_000  # points of the level that is searched
-CLUTTER_LIMIT = 2.0  # multiple of the median neighbour distance
-CLUTTER_ROUNDS = 2
 NOISY = 0.0025  # roughness of the surface above which the base points are smoothed
 FIELD_CELL = 0.008  # edge of a cell of the nearest-point table
 FIELD_MARGIN = 0.12  # width of its rim
 FIELD_CELLS = 500_000
-ORIENTATION_RADIUS = 0.22  # of the ball whose centroid tells the inside from the outside
 COPLANAR = 0.015  # distance from a sample's tangent plane within which another one is coplanar
 COPLANAR_DIRECTION = np.cos(np.radians(10.0))
 MANY_COPLANAR = 1.5  # medians of the number of coplanar samples: from there distinctness falls
 RELIEF_RADII = (0.03, 0.05, 0.08)
 LANDMARKS = 600  # even samples that stand for all
-CLEAR_ORIENTATION = 0.12  # of that radius: a smaller offset of the centroid tells nothing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PreparedCloud:
-    """An even cloud of unit size around the origin."""
+    """An even cloud of unit size around the origin, along its principal axes."""
 
     points: Points  # (m, 3)
     normals: Points  # (m, 3)  unit, pointing outwards where ``oriented``
@@ -62,8 +57,19 @@ class PreparedCloud:
     spacing: float  # median distance to the nearest point
     roughness: float  # median deviation from the local planes: noise and bending
     field: NearestField
-    centre: Floats  # (3,)  origin, in the coordinates of the input
-    scale: float  # diagonal, in the units of the input
+    axes: Floats  # (3, 3)  rows: its axes, in the coordinates of the input
+    centre: Floats  # (3,)  its origin, in the coordinates of the input
+    scale: float  # its diagonal, in the units of the input
+
+    def from_input(self, planes: Planes) -> Planes:
+        """Return planes (k, 4) of the input in the coordinates of this cloud."""
+        offsets = (planes[:, 3] + planes[:, :3] @ self.centre) / self.scale
+        return np.column_stack([planes[:, :3] @ self.axes.T, offsets])
+
+    def to_input(self, planes: Planes) -> Planes:
+        """Return planes (k, 4) of this cloud in the coordinates of the input."""
+        normals = planes[:, :3] @ self.axes
+        return np.column_stack([normals, planes[:, 3] * self.scale - normals @ self.centre])
 
 
 def prepare(points: Points, normals: Points | None, sample_count: int) -> PreparedCloud:
@@ -83,34 +89,19 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
     PreparedCloud
         The same for any order of the points, up to rounding for any position and size.
     """
+    frame = _frame(points)
     order = canonical_order(points)
-    points = points[order]
-    centre, axes = principal_frame(points)
-    unit = robust_diagonal(points @ axes.T)
-    framed = (points - centre) @ axes.T / unit
-    sides = None if normals is None else normals[order] @ axes.T
-    dense, dense_sides = _dense_level(framed, sides)
-    kept = without_outliers(dense, CLUTTER_LIMIT, CLUTTER_ROUNDS)
-    dense = dense[kept]
-    dense_sides = None if dense_sides is None else dense_sides[kept]
-    left = off_plinth(dense / robust_diagonal(dense))
-    dense = dense[left]
-    dense_sides = None if dense_sides is None else dense_sides[left]
-    shift = dense.mean(axis=0)
-    size = robust_diagonal(dense)
+    framed = (points[order] - frame.centre) @ frame.axes.T / frame.unit
+    sides = None if normals is None else normals[order] @ frame.axes.T
+    dense, sides = without_clutter(framed, sides)
+    shift, size = dense.mean(axis=0), robust_diagonal(dense)
     dense = (dense - shift) / size
     base = _base_level(dense)
     places, directions, roughness = _smooth_surface(dense, dense[base])
-    hints = None if dense_sides is None else dense_sides[base]
-    directions, oriented = _orient(places, directions, hints)
-    # Back to axes parallel to the input's, so that planes need no turning afterwards.
-    places, directions = places @ axes, directions @ axes
+    directions, oriented = orient(places, directions, None if sides is None else sides[base])
     border = border_points(places, directions)
-    tree = cKDTree(places)
-    covariance = np.cov(places.T, bias=True)
-    variances, vectors = np.linalg.eigh(covariance)
-    samples = farthest_point_order(places, sample_count)
     rims = cKDTree(places[border]).query(places)[0] if border.any() else np.inf
+    samples = farthest_point_order(places, sample_count)
     return PreparedCloud(
         points=places,
         normals=directions,
@@ -120,21 +111,33 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
         samples=samples,
         distinctness=_distinctness(places[samples], directions[samples]),
         relief=np.stack([_native.relief(places, directions, r) for r in RELIEF_RADII], axis=1),
-        root_covariance=(vectors * np.sqrt(np.maximum(variances, 0.0))) @ vectors.T,
-        spacing=float(np.median(tree.query(places, k=2)[0][:, 1])),
+        root_covariance=_root_covariance(places),
+        spacing=float(np.median(cKDTree(places).query(places, k=2)[0][:, 1])),
         roughness=roughness,
         field=nearest_field(places, FIELD_CELL, FIELD_MARGIN, FIELD_CELLS),
-        centre=centre + (unit * shift) @ axes,
-        scale=unit * size,
+        axes=frame.axes,
+        centre=frame.centre + (frame.unit * shift) @ frame.axes,
+        scale=frame.unit * size,
     )
 
 
-def _dense_level(points: Points, sides: Points | None) -> tuple[Points, Points | None]:
-    labels, count = thin_by_voxels(points, DENSE_COUNT)
-    if count == len(points):
-        return points, sides
-    means = voxel_means(points, labels, count)
-    return means, None if sides is None else voxel_means(sides, labels, count)
+@dataclass(frozen=True, slots=True, eq=False)
+class _Frame:
+    centre: Floats  # (3,)
+    axes: Floats  # (3, 3)  rows
+    unit: float
+
+
+def _frame(points: Points) -> _Frame:
+    """Return a frame that follows the cloud: what is done in it follows every motion."""
+    centre, axes = principal_frame(points)
+    return _Frame(centre, axes, robust_diagonal(points @ axes.T))
+
+
+def _root_covariance(places: Points) -> Floats:
+    variances, vectors = np.linalg.eigh(np.cov(places.T, bias=True))
+    root: Floats = (vectors * np.sqrt(np.maximum(variances, 0.0))) @ vectors.T
+    return root
 
 
 def _base_level(points: Points) -> Indices:
@@ -162,23 +165,6 @@ def _smooth_surface(dense: Points, places: Points) -> tuple[Points, Points, floa
         heights = np.einsum("mi,mi->m", members.mean(axis=1) - places, normals)
         places = places + heights[:, np.newaxis] * normals
     return places, normals, roughness
-
-
-def _orient(points: Points, normals: Points, hints: Points | None) -> tuple[Points, Booleans]:
-    """Turn normals away from the centroid of their surroundings, or to the side of the hints."""
-    if hints is not None:
-        along = np.einsum("mi,mi->m", normals, hints)
-        clear = np.abs(along) > 0.5 * np.linalg.norm(hints, axis=1)
-    else:
-        landmarks = points[farthest_point_order(points, LANDMARKS)]
-        squares = ((points**2).sum(axis=1)[:, np.newaxis] + (landmarks**2).sum(axis=1)) - (
-            2.0 * points @ landmarks.T
-        )
-        near = (squares < ORIENTATION_RADIUS**2).astype(np.float64)
-        centroids = near @ landmarks / np.maximum(near.sum(axis=1), 1.0)[:, np.newaxis]
-        along = -np.einsum("mi,mi->m", centroids - points, normals)
-        clear = np.abs(along) > CLEAR_ORIENTATION * ORIENTATION_RADIUS
-    return normals * np.where(along < 0.0, -1.0, 1.0)[:, np.newaxis], clear
 
 
 def _distinctness(points: Points, normals: Points) -> Floats:

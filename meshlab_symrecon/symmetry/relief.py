@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshlab_symrecon.arrays import Floats
+from meshlab_symrecon.arrays import Floats, Indices
 from meshlab_symrecon.symmetry.preparation import PreparedCloud
 from meshlab_symrecon.symmetry.verification import Landings
 
@@ -17,7 +17,7 @@ RIM = 0.02  # diagonals: nearer to a rim a ball is not whole
 TINY = float(np.finfo(np.float64).tiny)
 
 
-def relief_agreement(landings: Landings, cloud: PreparedCloud) -> Floats:
+def relief_agreement(landings: Landings, cloud: PreparedCloud, queries: Indices) -> Floats:
     """Correlate the relief of the samples with that of the places their mirror images fall on.
 
     Large smooth parts of unlike shapes can lie close to each other's mirror image; only true planes
@@ -30,13 +30,14 @@ def relief_agreement(landings: Landings, cloud: PreparedCloud) -> Floats:
         Of k planes.
     cloud : PreparedCloud
         The cloud they are on.
+    queries : (q,) int
+        The points whose images they are.
 
     Returns
     -------
     (k, r) float
         Correlation for each radius of the cloud's relief, -1 to 1; 0 where nothing is compared.
     """
-    queries = cloud.samples[: landings.partners.shape[1]]
     usable = cloud.oriented & (cloud.border_distance > RIM)
     near = landings.distances < max(NEAR, NEAR_SPACINGS * cloud.spacing)
     compared = near & (np.abs(landings.cosines) > LEAST_COSINE)

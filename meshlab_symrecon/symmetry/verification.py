@@ -44,6 +44,16 @@ class Evidence:
         )
 
 
+    def joined(self, other: Evidence) -> Evidence:
+        """Return this evidence and another one's after it."""
+        return Evidence(
+            np.concatenate([self.support, other.support]),
+            np.concatenate([self.agreement, other.agreement]),
+            np.concatenate([self.contradiction, other.contradiction]),
+            np.concatenate([self.residual, other.residual]),
+        )
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Landings:
     """Where the mirror image of each query falls; a row a plane, a column a query."""
@@ -94,7 +104,7 @@ def examine(
     return Evidence(*(np.ascontiguousarray(column) for column in columns))
 
 
-def land(planes: Planes, cloud: PreparedCloud, count: int, tolerance: float) -> Landings:
+def land(planes: Planes, cloud: PreparedCloud, queries: Indices, tolerance: float) -> Landings:
     """Mirror query points across each plane and tell where each image falls.
 
     Parameters
@@ -103,22 +113,21 @@ def land(planes: Planes, cloud: PreparedCloud, count: int, tolerance: float) -> 
         Planes in the coordinates of the prepared cloud.
     cloud : PreparedCloud
         The cloud.
-    count : int
-        Number of even samples that are mirrored.
+    queries : (q,) int
+        Points of the cloud that are mirrored.
     tolerance : float
-        As for `examine`, whose sums these are the terms of.
+        As for `examine`, whose sums are made of these terms.
 
     Returns
     -------
     Landings
         Rows in the order of the planes.
     """
-    queries = cloud.samples[:count].astype(np.int32)
     partners, weights, distances, cosines, worth, excused = (
         column.reshape(len(planes), len(queries))
         for column in _native.landings(
             np.ascontiguousarray(planes),
-            queries,
+            queries.astype(np.int32),
             cloud.field,
             cloud.normals,
             cloud.oriented.view(np.uint8),

@@ -1,0 +1,107 @@
+"""Hypotheses: all planes that may be reported, whatever they rest on, and the chance of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshlab_symrecon.arrays import Floats, Indices, Planes
+from meshlab_symrecon.geometry.planes import distinct_planes, plane_angles
+from meshlab_symrecon.symmetry.cascade import TOLERANCE, refine_and_verify, refine_nearby
+from meshlab_symrecon.symmetry.confidence import (
+    confidence,
+    half_confidence,
+    meridian_confidence,
+)
+from meshlab_symrecon.symmetry.open_halves import examine_halves, rim_planes
+from meshlab_symrecon.symmetry.preparation import PreparedCloud
+from meshlab_symrecon.symmetry.revolution import meridians, on_axis, revolution_axis
+from meshlab_symrecon.symmetry.traits import traits
+from meshlab_symrecon.symmetry.verification import Evidence, examine
+
+__all__ = ["Hypotheses", "judge"]
+
+VARIANT = (np.radians(8.0), 0.06)  # angle and offset of two planes of which at most one is true
+PURE = 0.03  # share off a body of revolution below which all its meridians are true
+NEARLY_BEST = 0.8  # of the best meridian's handle: another handle's plane
+APART = np.radians(15.0)  # between meridians that are not the same one
+MOST_MERIDIANS = 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hypotheses:
+    """Planes, in the coordinates of the prepared cloud, best first."""
+
+    planes: Planes  # (k, 4)
+    evidence: Evidence
+    chances: Floats  # (k,)
+
+    def take(self, rows: Indices) -> Hypotheses:
+        """Return some of them."""
+        return Hypotheses(self.planes[rows], self.evidence.take(rows), self.chances[rows])
+
+
+def judge(cloud: PreparedCloud, starts: Planes, rng: np.random.Generator) -> Hypotheses:
+    """Refine planes, and judge them beside what holes and handles suggest.
+
+    Parameters
+    ----------
+    cloud : PreparedCloud
+        The cloud.
+    starts : (k, 4) float
+        Where to begin.
+    rng : numpy.random.Generator
+        Chooses among rim points.
+
+    Returns
+    -------
+    Hypotheses
+        Planes that differ, the likeliest first.
+    """
+    planes, evidence = refine_and_verify(cloud, starts)
+    chances = confidence(traits(planes, evidence, cloud, TOLERANCE), evidence, len(cloud.samples))
+    found = _with_meridians(cloud, Hypotheses(planes, evidence, chances))
+    found = _with_halves(cloud, found, rng)
+    kept = distinct_planes(found.planes, found.chances, VARIANT)
+    return found.take(kept)
+
+
+def _with_meridians(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
+    """Let the handle choose among the planes through an axis of revolution."""
+    axis = revolution_axis(found.planes, found.evidence.agreement)
+    around = None if axis is None else meridians(axis, cloud, TOLERANCE)
+    if axis is None or around is None or around.off_body < PURE:
+        return found
+    best = int(np.argmax(around.handle))
+    order = np.argsort(-around.handle, kind="stable")
+    order = order[around.handle[order] >= NEARLY_BEST * around.handle[best]]
+    chosen: list[int] = []
+    for row in order:
+        apart = [plane_angles(around.planes[[row]], around.planes[k])[0] for k in chosen]
+        if min(apart, default=np.inf) > APART:
+            chosen.append(int(row))
+    beside = np.ones(len(around.planes), dtype=bool)
+    for row in chosen:
+        beside &= plane_angles(around.planes, around.planes[row]) > APART
+    rival = around.handle[beside].max(initial=0.0)
+    planes = refine_nearby(cloud, around.planes[chosen])
+    chances = meridian_confidence(around.handle[chosen], float(rival))
+    others = np.flatnonzero(~on_axis(found.planes, axis))
+    return _joined(found.take(others), cloud, planes, chances)
+
+
+def _with_halves(cloud: PreparedCloud, found: Hypotheses, rng: np.random.Generator) -> Hypotheses:
+    """Add the plane in which the cloud ends, if it is one half of something."""
+    planes = rim_planes(cloud, rng)
+    return _joined(found, cloud, planes, half_confidence(examine_halves(planes, cloud)))
+
+
+def _joined(found: Hypotheses, cloud: PreparedCloud, planes: Planes, chances: Floats) -> Hypotheses:
+    evidence = examine(planes, cloud, len(cloud.samples), TOLERANCE, exact=True)
+    order = np.argsort(-np.concatenate([found.chances, chances]), kind="stable")
+    return Hypotheses(
+        np.concatenate([found.planes, planes])[order],
+        found.evidence.joined(evidence).take(order),
+        np.concatenate([found.chances, chances])[order],
+    )
