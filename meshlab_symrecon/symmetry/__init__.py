@@ -1,6 +1,6 @@
 """Reflection planes of incomplete clouds, and completion by mirroring."""
 
 from meshlab_symrecon.symmetry.completion import mirror_complete
-from meshlab_symrecon.symmetry.detection import detect_reflection_planes
+from meshlab_symrecon.symmetry.detection import detect_reflection_planes, refine_reflection_planes
 
-__all__ = ["detect_reflection_planes", "mirror_complete"]
+__all__ = ["detect_reflection_planes", "mirror_complete", "refine_reflection_planes"]

@@ -14,7 +14,7 @@ from meshlab_symrecon.symmetry.refinement import Schedule, refine_planes
 from meshlab_symrecon.symmetry.traits import merit
 from meshlab_symrecon.symmetry.verification import Evidence, examine
 
-__all__ = ["KEPT", "QUERIES", "TOLERANCE", "refine_and_verify", "refine_nearby"]
+__all__ = ["KEPT", "QUERIES", "TOLERANCE", "refine_and_verify", "refine_drawn", "refine_nearby"]
 
 # Lengths are in diagonals of the prepared cloud.
 TOLERANCE = 0.006  # of a match in verification
@@ -40,6 +40,7 @@ class _Stage:
 
 WIDE = _Stage(400, steps=6, first=0.04, last=0.015, breadth=0.0, kept=96, exact=False)
 CLOSER = _Stage(1_000, steps=12, first=0.03, last=FINEST, breadth=0.0, kept=KEPT, exact=False)
+DRAWN = _Stage(1_000, steps=20, first=0.06, last=FINEST, breadth=0.0, kept=8, exact=False)
 AGAIN = _Stage(1_000, steps=10, first=0.02, last=FINEST, breadth=0.0, kept=KEPT, exact=False)
 # A shape that is symmetric only to some extent is fitted that much more broadly.
 FINAL = _Stage(QUERIES, steps=12, first=0.015, last=FINEST, breadth=6.0, kept=KEPT, exact=True)
@@ -71,6 +72,31 @@ def refine_and_verify(cloud: PreparedCloud, planes: Planes) -> tuple[Planes, Evi
     for stage in (AGAIN, FINAL):
         planes, evidence = _pass(cloud, planes, evidence, stage)
     return planes, evidence
+
+
+def refine_drawn(cloud: PreparedCloud, planes: Planes) -> Planes:
+    """Refine planes that were drawn by hand, from there and from some places beside them.
+
+    Parameters
+    ----------
+    cloud : PreparedCloud
+        The cloud.
+    planes : (k, 4) float
+        Right to about ten degrees and a twentieth of the diagonal, in its coordinates.
+
+    Returns
+    -------
+    (k, 4) float
+        In the same order.
+    """
+    found = []
+    for plane in planes:
+        starts = np.concatenate([plane[np.newaxis], _beside(plane)])
+        evidence = examine(starts, cloud, 1, TOLERANCE, exact=False)
+        for stage in (DRAWN, FINAL):
+            starts, evidence = _pass(cloud, starts, evidence, stage)
+        found.append(starts[0])
+    return np.array(found).reshape(len(planes), 4)
 
 
 def refine_nearby(cloud: PreparedCloud, planes: Planes) -> Planes:

@@ -17,7 +17,7 @@ from meshlab_symrecon.symmetry.candidates import vote
 from meshlab_symrecon.symmetry.cascade import KEPT, QUERIES
 from meshlab_symrecon.symmetry.confidence import believable
 from meshlab_symrecon.symmetry.exemplars import choose_exemplars
-from meshlab_symrecon.symmetry.hypotheses import Hypotheses, judge
+from meshlab_symrecon.symmetry.hypotheses import judge, judge_drawn
 from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
 from meshlab_symrecon.symmetry.verification import Evidence
 
@@ -177,7 +177,17 @@ def refine_reflection_planes(
     GeometryError
         As for `detect_reflection_planes`; planes that are none.
     """
-    raise NotImplementedError
+    drawn = as_planes(planes)
+    cloud, exemplars, converged = _search(points, normals, DetectionOptions(), rng, progress)
+    found = judge_drawn(cloud, exemplars, cloud.from_input(drawn))
+    _report_end(progress, len(found.planes))
+    return ReflectionPlanes(
+        planes=canonical_planes(cloud.to_input(found.planes)),
+        support=found.evidence.support,
+        residual=found.evidence.residual,
+        confidence=found.chances,
+        converged=converged,
+    )
 
 
 def verified_planes(
@@ -189,6 +199,22 @@ def verified_planes(
     progress: Progress | None = None,
 ) -> Verified:
     """Return the best planes whatever their confidence; `detect_reflection_planes` judges them."""
+    rng = np.random.default_rng(0) if rng is None else rng
+    cloud, exemplars, converged = _search(points, normals, options, rng, progress)
+    found = judge(cloud, exemplars, rng)
+    _report_end(progress, len(found.planes))
+    planes = canonical_planes(cloud.to_input(found.planes))
+    return Verified(planes, found.evidence, found.chances, converged)
+
+
+def _search(
+    points: ArrayLike,
+    normals: ArrayLike | None,
+    options: DetectionOptions,
+    rng: np.random.Generator | None,
+    progress: Progress | None,
+) -> tuple[PreparedCloud, Planes, bool]:
+    """Return the prepared cloud, exemplars among its candidate planes, and their convergence."""
     cloud_points = as_points(points)
     sides = None if normals is None else as_normals(normals, len(cloud_points))
     require_solid(cloud_points, "detection of reflection planes")
@@ -201,10 +227,12 @@ def verified_planes(
     report(0.4, "clustering the votes")
     exemplars, converged = choose_exemplars(cloud, candidates.planes)
     report(0.55, "refining and verifying planes")
-    found = judge(cloud, exemplars, rng)
-    report(1.0, f"{len(found.planes)} planes verified")
-    planes = canonical_planes(cloud.to_input(found.planes))
-    return Verified(planes, found.evidence, found.chances, converged)
+    return cloud, exemplars, converged
+
+
+def _report_end(progress: Progress | None, count: int) -> None:
+    if progress is not None:
+        progress(1.0, f"{count} planes verified")
 
 
 def _silent(fraction: float, message: str) -> None:

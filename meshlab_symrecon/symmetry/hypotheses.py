@@ -8,7 +8,12 @@ import numpy as np
 
 from meshlab_symrecon.arrays import Floats, Indices, Planes
 from meshlab_symrecon.geometry.planes import distinct_planes, plane_angles
-from meshlab_symrecon.symmetry.cascade import TOLERANCE, refine_and_verify, refine_nearby
+from meshlab_symrecon.symmetry.cascade import (
+    TOLERANCE,
+    refine_and_verify,
+    refine_drawn,
+    refine_nearby,
+)
 from meshlab_symrecon.symmetry.confidence import (
     confidence,
     half_confidence,
@@ -20,7 +25,7 @@ from meshlab_symrecon.symmetry.revolution import meridians, on_axis, revolution_
 from meshlab_symrecon.symmetry.traits import traits
 from meshlab_symrecon.symmetry.verification import Evidence, examine
 
-__all__ = ["Hypotheses", "judge"]
+__all__ = ["Hypotheses", "judge", "judge_drawn"]
 
 VARIANT = (np.radians(8.0), 0.06)  # angle and offset of two planes of which at most one is true
 PURE = 0.03  # share off a body of revolution below which all its meridians are true
@@ -65,6 +70,34 @@ def judge(cloud: PreparedCloud, starts: Planes, rng: np.random.Generator) -> Hyp
     found = _with_halves(cloud, found, rng)
     kept = distinct_planes(found.planes, found.chances, VARIANT)
     return found.take(kept)
+
+
+def judge_drawn(cloud: PreparedCloud, starts: Planes, drawn: Planes) -> Hypotheses:
+    """Refine planes that somebody has drawn, and judge them beside all others.
+
+    Parameters
+    ----------
+    cloud : PreparedCloud
+        The cloud.
+    starts : (k, 4) float
+        Where the search for their rivals begins.
+    drawn : (m, 4) float
+        Nearly right planes.
+
+    Returns
+    -------
+    Hypotheses
+        The m planes, in their order.
+    """
+    rivals, _ = refine_and_verify(cloud, starts)
+    planes = refine_drawn(cloud, drawn)
+    everything = np.concatenate([planes, rivals])
+    evidence = examine(everything, cloud, len(cloud.samples), TOLERANCE, exact=True)
+    measured = traits(everything, evidence, cloud, TOLERANCE)
+    chances = confidence(measured, evidence, len(cloud.samples))[: len(planes)]
+    halves = half_confidence(examine_halves(planes, cloud))
+    rows = np.arange(len(planes))
+    return Hypotheses(planes, evidence.take(rows), np.maximum(chances, halves))
 
 
 def _with_meridians(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
