@@ -26,6 +26,7 @@ from symmetric_shapes import (
 )
 
 KIND = "asymmetric"
+FARTHEST = 2.2  # of a rock, before it is stretched
 
 
 def bumps(seed: int, variant: int) -> Shape:
@@ -107,11 +108,11 @@ def dancer(seed: int) -> Shape:
         wrist = elbow + 0.28 * way(swing + rng.uniform(0.3, 1.2), hand * (sway + 0.3))
         parts += [capsule(shoulder, elbow, 0.075, 0.06), capsule(elbow, wrist, 0.06, 0.05)]
     for foot, (swing, bend) in ((side, (0.1, -0.1)), (-side, (rng.uniform(0.8, 1.2), -1.0))):
-        hip = hips + [0.11 * foot, 0.0, -0.05]
+        hip = np.add(hips, (0.11 * foot, 0.0, -0.05))
         knee = hip + 0.43 * way(swing, foot * rng.uniform(0.05, 0.5))
         ankle = knee + 0.42 * way(swing + bend, foot * 0.1)
         parts += [capsule(hip, knee, 0.11, 0.08), capsule(knee, ankle, 0.08, 0.06)]
-        parts.append(capsule(ankle, ankle + [0.05 * foot, -0.13, -0.02], 0.06))
+        parts.append(capsule(ankle, np.add(ankle, (0.05 * foot, -0.13, -0.02)), 0.06))
     field = blended(parts, 0.015)
     return Shape("dancer", KIND, level_set(field, (-1.2, -1.2, -0.15), (1.2, 1.0, 2.4), cells=110))
 
@@ -279,7 +280,7 @@ def rock(seed: int, count: int) -> Shape:
 
     def radius(unit):
         inverse = np.maximum(unit @ normals.T / depth, 1e-3)
-        return (inverse**14).sum(axis=1) ** (-1 / 14)
+        return ((inverse**14).sum(axis=1) + FARTHEST**-14) ** (-1 / 14)
 
     return Shape(f"rock_{count}", KIND, radial(radius, stretch))
 

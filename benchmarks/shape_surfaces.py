@@ -1,9 +1,10 @@
-"""Surfaces of made shapes as triangles (m, 3, 3): radial, lofted, tubes, level sets, convex parts."""
+"""Surfaces of made shapes: triangles (m, 3, 3) of radial, lofted, convex and implicit bodies."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -246,7 +247,7 @@ def capsule(start, end, radius: float, end_radius: float | None = None) -> Field
 
 def chain(curve: np.ndarray, radius: float) -> Field:
     """Round a polyline (n, 3)."""
-    links = [capsule(a, b, radius) for a, b in zip(curve[:-1], curve[1:], strict=True)]
+    links = [capsule(a, b, radius) for a, b in pairwise(curve)]
     return lambda points: np.min([link(points) for link in links], axis=0)
 
 

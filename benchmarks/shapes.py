@@ -41,8 +41,8 @@ ASYMMETRIC: dict[str, Callable[[int], Shape]] = {
     "knot_3_4": partial(a.knot, around=3, along=4),
     "snail": partial(a.snail, tall=False),
     "shell": partial(a.snail, tall=True),
-    "rock_7": partial(a.rock, count=7),
-    "rock_12": partial(a.rock, count=12),
+    "rock_9": partial(a.rock, count=9),
+    "rock_14": partial(a.rock, count=14),
 }
 STATUES: dict[str, Callable[[int], Shape]] = {
     "bump_statue": s.bump_statue,
@@ -91,7 +91,7 @@ def mirror_gap(shape: Shape, planes: np.ndarray, count: int = 1500) -> np.ndarra
 
 def nearest_to_symmetric(shape: Shape) -> tuple[float, np.ndarray]:
     """The smallest mirror gap of 400 planes through the middle, the best refined by mirror ICP."""
-    from mirror_peers import fibonacci_normals, mirror_icp  # noqa: PLC0415
+    from mirror_peers import fibonacci_normals, mirror_icp
 
     points, normals = shape.sample(8000, np.random.default_rng(3))
     scale = np.linalg.norm(np.ptp(points, axis=0))

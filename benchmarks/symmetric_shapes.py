@@ -23,6 +23,7 @@ from shape_surfaces import (
 
 SIDEWAYS = np.array([[1.0, 0.0, 0.0, 0.0]])
 LEVEL = np.array([[0.0, 0.0, 1.0, 0.0]])
+POSE = 0.3  # radians by which joints of a posed statue differ
 UPRIGHT_AXIS = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
@@ -143,7 +144,7 @@ FIGURE_BOX = (-0.95, -0.95, -0.15), (0.95, 0.95, 2.3)
 
 
 def figure(seed: int, *, posed: bool = False) -> Shape:
-    parts = figure_parts(np.random.default_rng([3, seed]), 0.35 if posed else 0.0)
+    parts = figure_parts(np.random.default_rng([3, seed]), POSE if posed else 0.0)
     triangles = level_set(blended(parts, 0.015), *FIGURE_BOX, cells=110)
     return Shape(
         *(("figure_posed", "posed") if posed else ("figure", "statue")), triangles, SIDEWAYS
@@ -166,11 +167,12 @@ def animal_parts(rng, pose: float) -> list:
         ellipsoid((0, 0.7 * back, 0.02), (0.2 * stout, 0.26 * long, 0.21 * stout)),
         capsule(neck, turned(head), 0.14 * stout, 0.10),
         ellipsoid(turned(head), (0.12, 0.12, 0.12)),
-        capsule(turned(head), turned(head + [0, -0.2 * nose, -0.08]), 0.09, 0.055),
+        capsule(turned(head), turned(np.add(head, (0, -0.2 * nose, -0.08))), 0.09, 0.055),
     ]
     for side in (1.0, -1.0):
-        tip = head + [0.10 * side, 0.05, 0.10 + 0.06 * ear]
-        parts.append(capsule(turned(head + [0.07 * side, 0.02, 0.08]), turned(tip), 0.04, 0.03))
+        root = np.add(head, (0.07 * side, 0.02, 0.08))
+        tip = np.add(head, (0.10 * side, 0.05, 0.10 + 0.06 * ear))
+        parts.append(capsule(turned(root), turned(tip), 0.04, 0.03))
     sway = pose * rng.uniform(-2.0, 2.0)
     bend = np.array([0.0, back + 0.17 * long, 0.1])
     end = bend + tail * np.array([0.3 * np.sin(sway), 0.3 * np.cos(sway), 0.12])
@@ -191,7 +193,7 @@ ANIMAL_BOX = (-0.62, -1.2, -0.95), (0.62, 1.25, 0.85)
 
 
 def animal(seed: int, *, posed: bool = False) -> Shape:
-    parts = animal_parts(np.random.default_rng([4, seed]), 0.35 if posed else 0.0)
+    parts = animal_parts(np.random.default_rng([4, seed]), POSE if posed else 0.0)
     triangles = level_set(blended(parts, 0.015), *ANIMAL_BOX, cells=110)
     return Shape(
         *(("animal_posed", "posed") if posed else ("animal", "statue")), triangles, SIDEWAYS
@@ -211,7 +213,7 @@ def bird(seed: int) -> Shape:
         ellipsoid((0, 0.02, -0.68), (0.2, 0.28, 0.09)),
     ]
     elbow = np.array([0.3 * np.sin(spread) + 0.2, 0.08, 0.12])
-    tip = elbow + [0.45 * np.sin(spread), 0.3, -0.32 * np.cos(spread)]
+    tip = np.add(elbow, (0.45 * np.sin(spread), 0.3, -0.32 * np.cos(spread)))
     parts += pair(capsule((0.14, 0.0, 0.14), elbow, 0.08, 0.07))
     parts += pair(capsule(elbow, tip, 0.08, 0.045))
     triangles = level_set(blended(parts), (-0.95, -0.5, -0.8), (0.95, 0.7, 0.65))
@@ -311,10 +313,10 @@ def box(seed: int) -> Shape:
     return convex_shape("box", "several", [box_corners((0, 0, 0), sides)], np.eye(3, 4))
 
 
-def cube(seed: int) -> Shape:  # noqa: ARG001  # all cubes are alike
-    first, second = np.triu_indices(3, 1)
-    diagonal = [np.eye(3)[a] + s * np.eye(3)[b] for a, b in zip(first, second) for s in (1, -1)]
-    normals = np.concatenate([np.eye(3), np.array(diagonal) / np.sqrt(2.0)])
+def cube(seed: int) -> Shape:  # all cubes are alike
+    axes = np.eye(3)
+    diagonal = [axes[a] + sign * axes[b] for a, b in ((0, 1), (0, 2), (1, 2)) for sign in (1, -1)]
+    normals = np.concatenate([axes, np.array(diagonal) / np.sqrt(2.0)])
     planes = np.column_stack([normals, np.zeros(9)])
     return convex_shape("cube", "several", [box_corners((0, 0, 0), (1, 1, 1))], planes)
 
