@@ -16,7 +16,7 @@ from shape_surfaces import (
     radial,
     tube,
 )
-from symmetric_shapes import (
+from statue_shapes import (
     ANIMAL_BOX,
     animal_parts,
     bump_radius,

@@ -15,7 +15,8 @@ from functools import lru_cache, partial
 
 import asymmetric_shapes as a
 import numpy as np
-import symmetric_shapes as s
+import regular_shapes as r
+import statue_shapes as s
 from scipy.spatial import cKDTree
 from shape_surfaces import Shape
 
@@ -55,18 +56,18 @@ STATUES: dict[str, Callable[[int], Shape]] = {
     "bird": s.bird,
 }
 VESSELS: dict[str, Callable[[int], Shape]] = {
-    name: partial(s.vessel, name=name) for name in ("jug", "teapot", "vase_one_handle", "amphora")
+    name: partial(r.vessel, name=name) for name in ("jug", "teapot", "vase_one_handle", "amphora")
 }
 REGULAR: dict[str, Callable[[int], Shape]] = {
-    "box": s.box,
-    "cube": s.cube,
-    **{f"star_{k}": partial(s.star_prism, points=k) for k in (4, 5, 6)},
-    "cross": s.cross,
-    "table": s.table,
-    "chair": s.chair,
-    "cylinder": s.cylinder,
-    "torus": s.torus,
-    "revolution": s.revolution,
+    "box": r.box,
+    "cube": r.cube,
+    **{f"star_{k}": partial(r.star_prism, points=k) for k in (4, 5, 6)},
+    "cross": r.cross,
+    "table": r.table,
+    "chair": r.chair,
+    "cylinder": r.cylinder,
+    "torus": r.torus,
+    "revolution": r.revolution,
 }
 SYMMETRIC = {**STATUES, **VESSELS, **REGULAR}
 SHAPES = {**SYMMETRIC, **ASYMMETRIC}
@@ -118,7 +119,7 @@ def main():
             shape = made(name, seed)
             line = f"{name:16s} {seed:4d} {shape.kind:10s} {len(shape.planes)} planes"
             if shape.symmetric:
-                through = s.upright_planes(5) if shape.axis is not None else shape.planes[:0]
+                through = r.upright_planes(5) if shape.axis is not None else shape.planes[:0]
                 gaps = mirror_gap(shape, np.concatenate([shape.planes, through]))
                 print(f"{line}: at most {gaps.max():.2f} % off", flush=True)
             else:
