@@ -15,6 +15,7 @@ NEIGHBOURS = 10  # of the graph on which a hole grows
 FLIP = 10**2.2  # radius of the sphere of hidden point removal / farthest point
 VIEWS, ARC = 3, np.radians(100.0)  # of an occluded scan
 EYE_DISTANCE = 2.5  # diagonals
+MOST_GROWN = 30_000  # points among which holes grow; those of a larger cloud follow the nearest
 BOX_MARGIN = 1.2  # box of the outliers / box of the scan
 
 
@@ -147,6 +148,10 @@ def arrivals(points, heights, blobs: int, rng) -> np.ndarray:
 
     They start on the positive side, far from each other, and spill over only after all of it.
     """
+    if len(points) > MOST_GROWN:
+        some = rng.choice(len(points), MOST_GROWN, replace=False)
+        times = arrivals(points[some], heights[some], blobs, rng)
+        return times[cKDTree(points[some]).query(points)[1]]
     diagonal = np.linalg.norm(np.ptp(points, axis=0))
     side = np.flatnonzero(heights > 0.0)
     side = side if len(side) > 50 else np.argsort(-heights)[: len(points) // 2]
