@@ -3,9 +3,9 @@
     python benchmarks/detection_growth.py [--points 7000 100000 1000000 5000000] [--model NAME]
 
 A model (`shapes.py`, or of SYMRECON_DATA) with a quarter removed on one side and noise of 0.1 % of
-the diagonal, detected in a process of its own.  CPU seconds are the best of some runs, first the
-time of the first one; memory is the peak of the whole process, and how much of it came on top of
-imports and points.
+the diagonal, detected in a process of its own, which starts from this small one: a process begins
+with the peak of its parent.  CPU seconds are the best of some runs, next to the first one; memory
+is the peak of the whole process, and how much of it came on top of imports and points.
 """
 
 from __future__ import annotations
@@ -21,8 +21,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from damage import CONDITIONS, damaged
-from symmetry_models import model, names
 
 LIMIT = 600.0  # seconds
 
@@ -31,7 +29,7 @@ def peak_megabytes() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
-def child(path: str, runs: int) -> None:
+def detect(path: str, runs: int) -> None:
     """Detect, in this process, and print what it took."""
     from meshlab_symrecon.symmetry.detection import detect_reflection_planes
 
@@ -43,35 +41,44 @@ def child(path: str, runs: int) -> None:
         found = detect_reflection_planes(points)
         times.append(time.process_time() - start)
         walls.append(time.perf_counter() - wall)
-    print(
-        json.dumps(
-            {
-                "seconds": min(times), "first": times[0], "wall": min(walls),
-                "before": before, "peak": peak_megabytes(), "planes": len(found.planes),
-            }
-        )
-    )  # fmt: skip
+    run = {"seconds": min(times), "first": times[0], "wall": min(walls)}
+    run |= {"before": before, "peak": peak_megabytes()}
+    run |= {"points": len(points), "planes": len(found.planes)}
+    print(json.dumps(run))
 
 
-def scan(name: str, count: int, seed: int) -> np.ndarray:
-    """About ``count`` points that are left of a model."""
-    share = CONDITIONS["r25"].share
-    sampled = round(count / (1 - share))
-    damage = replace(CONDITIONS["r25"], noise=0.1, count=sampled)
-    return damaged(model(name, seed), damage, seed).points
+def make(path: str, name: str, count: int, seed: int) -> None:
+    """Write about ``count`` points that are left of a model."""
+    from damage import CONDITIONS, damaged
+    from symmetry_models import model
+
+    damage = CONDITIONS["r25"]
+    damage = replace(damage, noise=0.1, count=round(count / (1 - damage.share)))
+    np.save(path, damaged(model(name, seed), damage, seed).points)
+
+
+def started(*arguments: object) -> subprocess.CompletedProcess:
+    command = [sys.executable, __file__, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
 
 
 def main() -> None:
-    if len(sys.argv) == 4 and sys.argv[1] == "--child":
-        child(sys.argv[2], int(sys.argv[3]))
-        return
+    match sys.argv[1:]:  # the parts that run in processes of their own
+        case ["--make", path, name, count, seed]:
+            return make(path, name, int(count), int(seed))
+        case ["--detect", path, runs]:
+            return detect(path, int(runs))
+    return compare()
+
+
+def compare() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
         "--points", nargs="+", type=int, default=[7_000, 100_000, 1_000_000, 5_000_000]
     )
-    parser.add_argument("--model", choices=names(), default="bust", metavar="NAME")
+    parser.add_argument("--model", default="bust", help="its name")
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
@@ -79,18 +86,17 @@ def main() -> None:
     print("| --- | --- | --- | --- | --- | --- | --- |")
     for count in options.points:
         with tempfile.TemporaryDirectory() as folder:
-            path = str(Path(folder, "points.npy"))
-            points = scan(options.model, count, options.seed)
-            np.save(path, points)
-            command = [sys.executable, __file__, "--child", path, str(options.runs)]
-            done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
+            path = Path(folder, "points.npy")
+            done = started("--make", path, options.model, count, options.seed)
+            if done.returncode == 0:
+                done = started("--detect", path, options.runs)
         if done.returncode:
             reason = (done.stderr.strip().splitlines() or ["killed"])[-1]
-            print(f"| {len(points)} | {reason} | | | | | |", flush=True)
+            print(f"| {count} | {reason} | | | | | |", flush=True)
             continue
         run = json.loads(done.stdout)
         print(
-            f"| {len(points)} | {run['seconds']:.2f} | {run['first']:.2f} | {run['wall']:.2f} "
+            f"| {run['points']} | {run['seconds']:.2f} | {run['first']:.2f} | {run['wall']:.2f} "
             f"| {run['peak']:.0f} | {run['peak'] - run['before']:.0f} | {run['planes']} |",
             flush=True,
         )
