@@ -24,7 +24,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections import Counter, defaultdict
+from collections import defaultdict
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -36,6 +36,7 @@ from symmetry_models import KINDS, model, names
 NEAR = (np.radians(3.0), 0.02)  # of a true plane
 SETTLED = (np.radians(0.5), 0.005)  # of where refinement ends that started there
 ASTRAY = (np.radians(8.0), 0.06)  # refinement that ends farther away shows nothing
+SUMMED = ("true", "found", "reported", "wrong", "duplicates")  # of outcomes
 NOTHING, ROUND = -1, -2  # instead of the number of a true plane
 
 
@@ -54,6 +55,8 @@ class Outcome:
     reported: int
     wrong: int  # reported planes
     duplicates: int  # reported planes that repeat a right one
+    true: int  # planes that there are, besides those through an axis
+    found: int  # of them, reported
     seconds: float  # CPU
 
 
@@ -137,6 +140,8 @@ def judged(judge: Judge, found: Found) -> dict:
         "reported": len(matches),
         "wrong": sum(match == NOTHING for match in matches),
         "duplicates": judge.duplicates(found.reported, matches),
+        "true": len(judge.scan.planes),
+        "found": len({match for match in matches if match >= 0}),
         "seconds": found.seconds,
     }
 
@@ -220,29 +225,21 @@ def print_kinds(results: list[Outcome], methods) -> None:
 
 def print_totals(results: list[Outcome], methods) -> None:
     """What was reported, and the time."""
-    print("\nPlanes reported, and CPU seconds a scan\n")
     print(
-        row_of(
-            ["method", "cases with a plane", "none reported", "planes", "wrong", "repeated",
-             "cases without", "with a plane reported", "wrong / planes, all cases",
-             "median s", "most s"]
-        )
-    )  # fmt: skip
-    print(row_of(["---"] * 11))
+        "\nWhat was reported; *none reported* counts models with a plane, *without* those without\n"
+    )
+    heads = ["method", "cases", "none reported", "true planes", "found", "reported", "wrong"]
+    heads += ["repeated", "cases without", "with a plane reported", "median CPU s", "most"]
+    print(row_of(heads))
+    print(row_of(["---"] * len(heads)))
     for method in methods:
-        counts, times = Counter(), []
-        for one in (r for r in results if r.method == method):
-            side = "with" if one.symmetric else "without"
-            counts.update(
-                {side: 1, f"none {side}": one.reported == 0, f"planes {side}": one.reported,
-                 f"wrong {side}": one.wrong, "repeated": one.duplicates}
-            )  # fmt: skip
-            times.append(one.seconds)
-        planes, wrong = (counts[f"{what} with"] for what in ("planes", "wrong"))
-        every = planes + counts["planes without"]
-        row = [method, counts["with"], counts["none with"], planes, wrong, counts["repeated"]]
-        row += [counts["without"], counts["without"] - counts["none without"]]
-        row += [share(wrong + counts["wrong without"], every)]
+        group = [one for one in results if one.method == method]
+        without = [one for one in group if not one.symmetric]
+        none = sum(one.symmetric and not one.reported for one in group)
+        totals = [sum(getattr(one, name) for one in group) for name in SUMMED]
+        times = [one.seconds for one in group]
+        row = [method, len(group), none, *totals, len(without)]
+        row += [sum(one.reported > 0 for one in without)]
         print(row_of([*row, f"{np.median(times):.2f}", f"{max(times):.2f}"]))
 
 
