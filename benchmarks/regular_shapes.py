@@ -33,8 +33,8 @@ def upright_planes(count: int, first: float = 0.0) -> np.ndarray:
 VESSEL_BOX = (-0.85, -1.05, -0.05), (0.85, 1.05, 1.45)
 
 
-def vessel_field(rng):
-    """A body of revolution with a foot, a belly, a neck and a hollow mouth."""
+def vessel_field(rng, *, hollow: bool):
+    """A body of revolution with a foot, a belly and a neck, hollow from the mouth down or not."""
     heights = np.array([0.0, 0.08, 0.2, 0.5, 0.85, 1.05, 1.2])
     radii = np.array([0.28, 0.26, 0.34, 0.48, 0.3, 0.17, 0.24]) * rng.uniform(0.9, 1.1, 7)
     fine = np.linspace(0.0, 1.2, 200)
@@ -45,8 +45,8 @@ def vessel_field(rng):
         radius = np.linalg.norm(points[:, :2], axis=1)
         wall = radius - np.interp(points[:, 2], fine, profile)
         body = np.maximum(0.8 * wall, np.abs(points[:, 2] - 0.6) - 0.6)
-        hollow = np.maximum(0.8 * (wall + 0.07), 0.8 - points[:, 2])
-        return np.maximum(body, -hollow)
+        inner = np.maximum(0.8 * (wall + 0.07), 0.8 - points[:, 2])
+        return np.maximum(body, -inner) if hollow else body
 
     return distance
 
@@ -61,9 +61,9 @@ def arc(start, end, bulge: float, count: int = 12) -> np.ndarray:
 
 
 def vessel(seed: int, name: str) -> Shape:
-    """Jug and vase have one handle, the teapot a spout as well, the amphora two handles."""
+    """Jug (hollow) and vase have one handle, the teapot a spout, the amphora (hollow) two."""
     rng = np.random.default_rng([6, seed])
-    body = vessel_field(rng)
+    body = vessel_field(rng, hollow=name in ("jug", "amphora"))
     width, reach = rng.uniform(0.04, 0.06), rng.uniform(0.3, 0.45)
     planes = SIDEWAYS
     low, high = (0, 0.36, 0.45), (0, 0.18, 1.08)
@@ -76,6 +76,7 @@ def vessel(seed: int, name: str) -> Shape:
         parts = [
             chain(arc((0, 0.36, 0.3), (0, 0.28, 0.85), reach), width),
             capsule((0, -0.35, 0.4), (0, -0.85, 0.95), 0.12, 0.06),
+            capsule((0, 0, 1.2), (0, 0, 1.3), 0.07),  # knob of the lid
         ]
     else:
         flip = np.array([1.0, -1.0, 1.0])

@@ -9,7 +9,7 @@ import numpy as np
 from shape_surfaces import Shape, blended, capsule, chain, ellipsoid, level_set, pair, radial
 
 SIDEWAYS = np.array([[1.0, 0.0, 0.0, 0.0]])
-POSE = 0.3  # radians by which joints of a posed statue differ
+MUCH = 0.25  # radians a joint
 
 
 def turned_about_z(angle: float) -> np.ndarray:
@@ -73,6 +73,13 @@ def bust(seed: int, *, relief: bool = False) -> Shape:
     return Shape("bust_relief" if relief else "bust", "statue", triangles, SIDEWAYS)
 
 
+def posed(name: str, pose: float, triangles) -> Shape:
+    if pose == 0.0:
+        return Shape(name, "statue", triangles, SIDEWAYS)
+    name = f"{name}_posed_more" if pose > MUCH else f"{name}_posed"
+    return Shape(name, "posed", triangles, SIDEWAYS)
+
+
 def limb(start, lengths, swings, sways, radii) -> list:
     """Two links that hang from a place; swing is about x (to the front), sway about y (out)."""
     places = [np.asarray(start, dtype=float)]
@@ -118,12 +125,10 @@ def figure_parts(rng, pose: float) -> list:
 FIGURE_BOX = (-0.95, -0.95, -0.15), (0.95, 0.95, 2.3)
 
 
-def figure(seed: int, *, posed: bool = False) -> Shape:
-    parts = figure_parts(np.random.default_rng([3, seed]), POSE if posed else 0.0)
+def figure(seed: int, *, pose: float = 0.0) -> Shape:
+    parts = figure_parts(np.random.default_rng([3, seed]), pose)
     triangles = level_set(blended(parts, 0.015), *FIGURE_BOX, cells=110)
-    return Shape(
-        *(("figure_posed", "posed") if posed else ("figure", "statue")), triangles, SIDEWAYS
-    )
+    return posed("figure", pose, triangles)
 
 
 def animal_parts(rng, pose: float) -> list:
@@ -167,12 +172,10 @@ def animal_parts(rng, pose: float) -> list:
 ANIMAL_BOX = (-0.62, -1.2, -0.95), (0.62, 1.25, 0.85)
 
 
-def animal(seed: int, *, posed: bool = False) -> Shape:
-    parts = animal_parts(np.random.default_rng([4, seed]), POSE if posed else 0.0)
+def animal(seed: int, *, pose: float = 0.0) -> Shape:
+    parts = animal_parts(np.random.default_rng([4, seed]), pose)
     triangles = level_set(blended(parts, 0.015), *ANIMAL_BOX, cells=110)
-    return Shape(
-        *(("animal_posed", "posed") if posed else ("animal", "statue")), triangles, SIDEWAYS
-    )
+    return posed("animal", pose, triangles)
 
 
 def bird(seed: int) -> Shape:
