@@ -4,7 +4,7 @@ The only benchmark module that knows the detector's steps.  All methods share it
 cloud, its verification and its confidence; they differ in where planes come from and how they are
 fitted.  (Confidence rests on the lead over rivals, too: a method with three planes has few.)
 
-- ``ours``: votes of point pairs, affinity propagation, the cascade of refinements;
+- ``ours``: votes of point pairs, affinity propagation, the cascade of refinements, rims, handles;
 - ``mean-shift``: the same with mean-shift in place of affinity propagation;
 - ``multistart``: 200 even directions through the middle of the cloud, mirror ICP;
 - ``pca``: the three principal planes through the middle, mirror ICP.
@@ -20,12 +20,12 @@ from mirror_icp import fibonacci_normals, mirror_icp
 from scipy.spatial import cKDTree
 
 from meshlab_symrecon.geometry.planes import canonical_planes, distinct_planes
-from meshlab_symrecon.symmetry import detection
+from meshlab_symrecon.symmetry import cascade, detection, hypotheses
 from meshlab_symrecon.symmetry.candidates import vote
-from meshlab_symrecon.symmetry.confidence import believable, confidence, family_sizes, merit
+from meshlab_symrecon.symmetry.confidence import believable, confidence
 from meshlab_symrecon.symmetry.embedding import embed_planes
 from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
-from meshlab_symrecon.symmetry.refinement import Schedule, refine_planes
+from meshlab_symrecon.symmetry.traits import merit, traits
 from meshlab_symrecon.symmetry.verification import examine
 
 OPTIONS = detection.DetectionOptions()
@@ -52,19 +52,17 @@ def _through_middle(cloud: PreparedCloud, normals: np.ndarray) -> np.ndarray:
 
 def _fitted(cloud: PreparedCloud, starts: np.ndarray) -> np.ndarray:
     """Mirror ICP from all starts coarsely, then from the best that differ."""
-    surface = cloud.points, cloud.normals
+    surface, tree = (cloud.points, cloud.normals), cKDTree(cloud.points)
 
     def fit(planes, count, tolerances):
         chosen = cloud.samples[:count]
         queries = cloud.points[chosen], cloud.normals[chosen]
-        return np.array(
-            [mirror_icp(queries, surface, cloud.tree, plane, tolerances) for plane in planes]
-        )
+        return np.array([mirror_icp(queries, surface, tree, plane, tolerances) for plane in planes])
 
     planes = fit(starts, 250, np.geomspace(0.06, 0.02, 12))
-    evidence = examine(planes, cloud, 400, cloud.field.closest, detection.TOLERANCE)
-    kept = distinct_planes(planes, merit(evidence), detection.SAME)[:40]
-    last = max(detection.FINEST, cloud.spacing)
+    evidence = examine(planes, cloud, 400, cascade.TOLERANCE, exact=True)
+    kept = distinct_planes(planes, merit(evidence), cascade.SAME)[:40]
+    last = max(cascade.FINEST, cloud.spacing)
     return fit(planes[kept], 1500, np.r_[np.geomspace(max(0.03, last), last, 12), [last] * 6])
 
 
@@ -73,21 +71,15 @@ def _fitted(cloud: PreparedCloud, starts: np.ndarray) -> np.ndarray:
 
 def _judged(cloud: PreparedCloud, planes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Verify fitted planes as the last stage of the detector does; ranked, and those reported."""
-    evidence = examine(planes, cloud, detection.QUERIES, cloud.field.closest, detection.TOLERANCE)
-    kept = distinct_planes(planes, merit(evidence), detection.SAME)[: detection.CASCADE[-1].kept]
+    evidence = examine(planes, cloud, cascade.QUERIES, cascade.TOLERANCE, exact=True)
+    kept = distinct_planes(planes, merit(evidence), cascade.SAME)[: cascade.KEPT]
     planes, evidence = planes[kept], evidence.take(kept)
-    sizes = family_sizes(planes, evidence)
-    chances = confidence(evidence, sizes, cloud.roughness, len(cloud.samples))
-    order = distinct_planes(planes, merit(evidence), detection.VARIANT)
-    order = order[np.argsort(-chances[order], kind="stable")]
+    measured = traits(planes, evidence, cloud, cascade.TOLERANCE)
+    chances = confidence(measured, evidence, len(cloud.samples))
+    order = distinct_planes(planes, chances, hypotheses.VARIANT)
     planes, evidence, chances = planes[order], evidence.take(order), chances[order]
-    reported = believable(evidence, chances, OPTIONS.min_confidence)
+    reported = believable(evidence.agreement, chances, OPTIONS.min_confidence)
     return planes, planes[reported][: OPTIONS.max_planes]
-
-
-def _to_input(cloud: PreparedCloud, planes: np.ndarray) -> np.ndarray:
-    offsets = planes[:, 3] * cloud.scale - planes[:, :3] @ cloud.centre
-    return canonical_planes(np.column_stack([planes[:, :3], offsets]))
 
 
 def _mean_shift(places: np.ndarray) -> np.ndarray:
@@ -116,10 +108,7 @@ def _by_mean_shift(cloud: PreparedCloud) -> np.ndarray:
     if len(planes) == 0:
         return planes
     planes = planes[_mean_shift(embed_planes(planes, cloud.root_covariance))]
-    evidence = examine(planes, cloud, 1, cloud.field.lookup, detection.TOLERANCE)
-    for stage in detection.CASCADE:
-        planes, evidence = detection._pass_stage(cloud, planes, evidence, stage)
-    return planes
+    return cascade.refine_and_verify(cloud, planes)[0]
 
 
 def _by_multistart(cloud: PreparedCloud) -> np.ndarray:
@@ -135,7 +124,7 @@ def _by_pca(cloud: PreparedCloud) -> np.ndarray:
 def ours(points: np.ndarray) -> Found:
     start = time.process_time()
     found = detection.verified_planes(points, options=OPTIONS)
-    reported = believable(found.evidence, found.confidence, OPTIONS.min_confidence)
+    reported = believable(found.evidence.agreement, found.confidence, OPTIONS.min_confidence)
     planes = found.planes[reported][: OPTIONS.max_planes]
     return Found(found.planes, planes, time.process_time() - start)
 
@@ -143,13 +132,14 @@ def ours(points: np.ndarray) -> Found:
 def _peer(planes_of):
     def method(points: np.ndarray) -> Found:
         start = time.process_time()
-        cloud = prepare(points, None, detection.QUERIES)
+        cloud = prepare(points, None, cascade.QUERIES)
         planes = planes_of(cloud)
         if len(planes) == 0:
             return Found(planes, planes, time.process_time() - start)
         ranked, reported = _judged(cloud, planes)
         seconds = time.process_time() - start
-        return Found(_to_input(cloud, ranked), _to_input(cloud, reported), seconds)
+        ranked, reported = (canonical_planes(cloud.to_input(some)) for some in (ranked, reported))
+        return Found(ranked, reported, seconds)
 
     return method
 
@@ -166,17 +156,6 @@ def refined(points: np.ndarray, planes: np.ndarray) -> np.ndarray:
     """Where planes (k, 4) end when the detector's finest refinement starts from them."""
     if len(planes) == 0:
         return planes
-    cloud = prepare(points, None, detection.QUERIES)
-    offsets = (planes[:, 3] + planes[:, :3] @ cloud.centre) / cloud.scale
-    starts = np.column_stack([planes[:, :3], offsets])
-    stage = detection.CASCADE[-1]
-    last = max(stage.last, cloud.spacing)
-    chosen = cloud.samples[: stage.queries]
-    moved = refine_planes(
-        starts,
-        (cloud.points[chosen], cloud.normals[chosen]),
-        (cloud.points, cloud.normals),
-        cloud.field.closest,
-        Schedule(2 * stage.steps, max(stage.first, last), last),
-    )
-    return _to_input(cloud, moved)
+    cloud = prepare(points, None, cascade.QUERIES)
+    moved = cascade.refine_nearby(cloud, cloud.from_input(planes))
+    return canonical_planes(cloud.to_input(moved))
