@@ -1,12 +1,9 @@
 // The edges along which messages travel, with the messages on them: between all points, or in rows that may grow.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
 #include <vector>
 
 #include "affinity_messages.hpp"
@@ -66,6 +63,7 @@ class SparseEdges {
       : rows_(table.width == 0 ? 0 : table.targets.size() / table.width), known_(rows_.size(), 0) {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       Row& row = rows_[i];
+      row.reserve(table.width);
       row.width = table.width;
       row.missing = may_grow ? reach(table, i) : nothing;
       for (std::size_t edge = i * table.width; edge < (i + 1) * table.width; ++edge)

@@ -11,7 +11,7 @@ namespace symrecon {
 namespace {
 
 constexpr double nothing = -std::numeric_limits<double>::infinity();
-constexpr std::uint8_t oscillation = 8;  // turns of one point between exemplar and not; settling takes fewer
+constexpr std::uint8_t oscillation = 20;  // turns of one point between exemplar and not; settling takes fewer
 
 struct TopTwo {
   double largest = nothing, second = nothing;
