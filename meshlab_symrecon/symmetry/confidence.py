@@ -12,8 +12,25 @@ from meshlab_symrecon.symmetry.verification import Evidence
 __all__ = ["believable", "confidence", "half_confidence", "meridian_confidence"]
 
 # Logistic regression; docs/detection.md tells on what.
-INTERCEPT = -5.0
-WEIGHTS = dict.fromkeys(TRAITS, 0.0)
+INTERCEPT = -2.41
+WEIGHTS = {
+    "support": -0.04,
+    "agreement": -4.35,
+    "fine agreement": 1.13,
+    "cleanness": 5.52,
+    "near misses": -0.30,
+    "residual": -8.26,
+    "fine relief": -2.46,
+    "relief": 1.55,
+    "coarse relief": 2.49,
+    "worst regions": 2.98,
+    "turn": 0.09,
+    "excused": -4.88,
+    "rim agreement": 0.02,
+    "rim excused": -6.83,
+    "lead": 0.69,
+    "roughness": 2.90,
+}
 ENOUGH_SAMPLES = 100  # fewer match by chance: confidence falls in proportion
 CLEAR_AGREEMENT = 0.85
 ENOUGH_UNCLEAR = 1500  # samples needed where agreement is not clear: smooth bodies look alike

@@ -22,12 +22,13 @@ from meshlab_symrecon.symmetry.confidence import (
 from meshlab_symrecon.symmetry.open_halves import examine_halves, rim_planes
 from meshlab_symrecon.symmetry.preparation import PreparedCloud
 from meshlab_symrecon.symmetry.revolution import meridians, on_axis, revolution_axis
-from meshlab_symrecon.symmetry.traits import traits
+from meshlab_symrecon.symmetry.traits import TRAITS, merit, traits
 from meshlab_symrecon.symmetry.verification import Evidence, examine
 
 __all__ = ["Hypotheses", "judge", "judge_drawn"]
 
 VARIANT = (np.radians(8.0), 0.06)  # angle and offset of two planes of which at most one is true
+FINE_SHARE = 6.0  # of fine agreement in the choice between variants
 PURE = 0.03  # share off a body of revolution below which all its meridians are true
 NEARLY_BEST = 0.8  # of the best meridian's handle: another handle's plane
 APART = np.radians(15.0)  # between meridians that are not the same one
@@ -65,11 +66,14 @@ def judge(cloud: PreparedCloud, starts: Planes, rng: np.random.Generator) -> Hyp
         Planes that differ, the likeliest first.
     """
     planes, evidence = refine_and_verify(cloud, starts)
-    chances = confidence(traits(planes, evidence, cloud, TOLERANCE), evidence, len(cloud.samples))
-    found = _with_meridians(cloud, Hypotheses(planes, evidence, chances))
-    found = _with_halves(cloud, found, rng)
-    kept = distinct_planes(found.planes, found.chances, VARIANT)
-    return found.take(kept)
+    measured = traits(planes, evidence, cloud, TOLERANCE)
+    chances = confidence(measured, evidence, len(cloud.samples))
+    # Among variants of a plane the one that fits best is right, whatever its surroundings say.
+    best_fit = merit(evidence) + FINE_SHARE * measured[:, TRAITS.index("fine agreement")]
+    kept = distinct_planes(planes, best_fit, VARIANT)
+    found = Hypotheses(planes[kept], evidence.take(kept), chances[kept])
+    found = _with_halves(cloud, _with_meridians(cloud, found), rng)
+    return found.take(distinct_planes(found.planes, found.chances, VARIANT))
 
 
 def judge_drawn(cloud: PreparedCloud, starts: Planes, drawn: Planes) -> Hypotheses:
