@@ -213,6 +213,7 @@ class EvidenceRules:
         least_gap: float,
         far: float,
         beyond: float,
+        broken_off: NDArray[np.float64],
     ) -> None: ...
 
 class RefinementRules:

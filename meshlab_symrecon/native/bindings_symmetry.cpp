@@ -132,13 +132,17 @@ void bind_rules(nb::module_& module) {
       .def(
           "__init__",
           [](EvidenceRules* rules, double tolerance, double no_direction, double full_direction, double sideways,
-             double near_plane, double no_match, double rim_reach, double least_gap, double far, double beyond) {
+             double near_plane, double no_match, double rim_reach, double least_gap, double far, double beyond,
+             Row<double> broken_off) {
+            if (broken_off.shape(0) != 4) throw std::invalid_argument("a plane has four numbers");
+            const double* plane = broken_off.data();
             new (rules) EvidenceRules{tolerance, no_direction, full_direction, sideways, near_plane,
-                                      no_match,  rim_reach,    least_gap,      far,      beyond};
+                                      no_match,  rim_reach,    least_gap,      far,      beyond,
+                                      {{plane[0], plane[1], plane[2]}, plane[3]}};
           },
           nb::kw_only(), nb::arg("tolerance"), nb::arg("no_direction"), nb::arg("full_direction"), nb::arg("sideways"),
           nb::arg("near_plane"), nb::arg("no_match"), nb::arg("rim_reach"), nb::arg("least_gap"), nb::arg("far"),
-          nb::arg("beyond"));
+          nb::arg("beyond"), nb::arg("broken_off"));
   nb::class_<RefinementRules>(module, "RefinementRules")
       .def(
           "__init__",

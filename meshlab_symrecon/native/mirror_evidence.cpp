@@ -16,14 +16,17 @@ struct Landing {
   double aside_square;  // along that plane, squared
   double cosine;        // between the normals
   double border_distance;
+  bool broken_off;  // it lies where the cloud is known to end
 };
 
-Landing land(const SurfacePoint& query, const Image& image, const SurfacePoint& partner, const Position& normal) {
+Landing land(const SurfacePoint& query, const Image& image, const SurfacePoint& partner, const Position& normal,
+             const EvidenceRules& rules) {
   const Position gap = minus(image.place, partner.place);
   const double square = dot(gap, gap), off = dot(gap, partner.normal);
   const double cosine = mirrored_cosine(query.normal, partner.normal, normal);
   return {std::sqrt(square), off * off, std::max(square - off * off, 0.0),
-          query.oriented && partner.oriented ? cosine : std::abs(cosine), partner.border_distance};
+          query.oriented && partner.oriented ? cosine : std::abs(cosine), partner.border_distance,
+          rules.broken_off.height(image.place) < 0.0};
 }
 
 // How well an image matches the surface, 0 to 1.
@@ -41,13 +44,18 @@ bool near_rim(const Landing& landing, const EvidenceRules& rules) {
   return landing.border_distance <= rules.rim_reach * landing.distance;
 }
 
-// The image may have fallen into a hole.
-bool excused(const Landing& landing, double worth, const EvidenceRules& rules) {
-  return landing.distance > rules.least_gap && worth < rules.no_match && near_rim(landing, rules);
+enum Excuse : std::uint8_t { none, hole, broken_off };
+
+// The image may have fallen into a hole, or is known to have.
+Excuse excuse(const Landing& landing, double worth, const EvidenceRules& rules) {
+  if (worth >= rules.no_match) return none;
+  if (landing.broken_off) return broken_off;
+  return landing.distance > rules.least_gap && near_rim(landing, rules) ? hole : none;
 }
 
 bool contradicts(const Landing& landing, const EvidenceRules& rules) {
-  return landing.distance > rules.far && landing.distance < rules.beyond && !near_rim(landing, rules);
+  return landing.distance > rules.far && landing.distance < rules.beyond && !near_rim(landing, rules) &&
+         !landing.broken_off;
 }
 
 struct Sums {
@@ -64,12 +72,12 @@ Evidence judge(const Plane& plane, const MirrorCloud& cloud, View<SurfacePoint> 
                View<double> distinctness, const EvidenceRules& rules) {
   Sums sums;
   for (std::size_t i = 0; i < queries.size(); ++i) {
-    const Landing landing = land(queries[i], images[i], cloud.points[images[i].partner], plane.normal);
+    const Landing landing = land(queries[i], images[i], cloud.points[images[i].partner], plane.normal, rules);
     const double counts = weight(images[i].height, rules), worth = match(landing, rules);
     sums.total += counts;
     sums.matched += counts * worth;
     sums.squares += counts * worth * landing.off_square;
-    if (!excused(landing, worth, rules)) {
+    if (excuse(landing, worth, rules) == none) {
       sums.judged += counts;
       sums.agreed += counts * worth;
     }
@@ -102,14 +110,14 @@ Landings landings(View<Plane> planes, const MirrorCloud& cloud, View<std::int32_
   for (const Plane& plane : planes) {
     cast_images(plane, cloud, asked, std::numeric_limits<double>::infinity(), images);
     for (std::size_t i = 0; i < asked.size(); ++i) {
-      const Landing landing = land(asked[i], images[i], cloud.points[images[i].partner], plane.normal);
+      const Landing landing = land(asked[i], images[i], cloud.points[images[i].partner], plane.normal, rules);
       const double worth = match(landing, rules);
       found.partners.push_back(images[i].partner);
       found.weights.push_back(weight(images[i].height, rules));
       found.distances.push_back(landing.distance);
       found.cosines.push_back(landing.cosine);
       found.worth.push_back(worth);
-      found.excused.push_back(excused(landing, worth, rules));
+      found.excused.push_back(excuse(landing, worth, rules));
     }
   }
   return found;

@@ -21,6 +21,7 @@ struct EvidenceRules {
   double least_gap;       // if that distance is at least so large
   double far;             // distance off the surface from which on it is a contradiction
   double beyond;          // and from which on nothing can be said
+  Plane broken_off;       // what lies below this plane is known to be missing; no normal: nothing is
 };
 
 struct Evidence {
@@ -41,7 +42,7 @@ struct Landings {
   std::vector<double> distances;       // to the partners
   std::vector<double> cosines;         // between the normals, |cosine| where a side is not known
   std::vector<double> worth;           // of the matches, 0 to 1
-  std::vector<std::uint8_t> excused;   // the image may have fallen into a hole
+  std::vector<std::uint8_t> excused;   // 1: the image may have fallen into a hole, 2: it is broken off
 };
 
 Landings landings(View<Plane> planes, const MirrorCloud& cloud, View<std::int32_t> queries, const EvidenceRules& rules);

@@ -26,6 +26,7 @@ WEIGHTS = {
     "worst regions": 2.98,
     "turn": 0.09,
     "excused": -4.88,
+    "broken off": -4.88,
     "rim agreement": 0.02,
     "rim excused": -6.83,
     "lead": 0.69,
@@ -42,7 +43,7 @@ def confidence(traits: Floats, evidence: Evidence, count: int) -> Floats:
 
     Parameters
     ----------
-    traits : (k, 16) float
+    traits : (k, 17) float
         Columns as in `TRAITS`.
     evidence : Evidence
         Of the same planes.
@@ -62,10 +63,10 @@ def confidence(traits: Floats, evidence: Evidence, count: int) -> Floats:
 
 # Half a statue: the rim has to lie on the plane, the surface has to meet it squarely, and the half
 # must not be thicker than it is wide (a torso cut off flat at the waist is no half).
-LEAST_RIM_SHARE = 0.58
-MOST_BEYOND = 0.015
-THICKEST = 0.75
-SQUARE, SQUARE_RANGE = 0.15, 0.013  # crossing at even odds, and what changes them by a factor e
+LEAST_RIM_SHARE = 0.48
+MOST_BEYOND = 0.02
+THICKEST = 0.95
+SQUARE, SQUARE_RANGE = 0.125, 0.012  # crossing at even odds, and what changes them by a factor e
 
 
 def half_confidence(halves: HalfEvidence) -> Floats:

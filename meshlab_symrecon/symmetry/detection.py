@@ -199,9 +199,8 @@ def verified_planes(
     progress: Progress | None = None,
 ) -> Verified:
     """Return the best planes whatever their confidence; `detect_reflection_planes` judges them."""
-    rng = np.random.default_rng(0) if rng is None else rng
     cloud, exemplars, converged = _search(points, normals, options, rng, progress)
-    found = judge(cloud, exemplars, rng)
+    found = judge(cloud, exemplars)
     _report_end(progress, len(found.planes))
     planes = canonical_planes(cloud.to_input(found.planes))
     return Verified(planes, found.evidence, found.chances, converged)

@@ -48,7 +48,7 @@ class Hypotheses:
         return Hypotheses(self.planes[rows], self.evidence.take(rows), self.chances[rows])
 
 
-def judge(cloud: PreparedCloud, starts: Planes, rng: np.random.Generator) -> Hypotheses:
+def judge(cloud: PreparedCloud, starts: Planes) -> Hypotheses:
     """Refine planes, and judge them beside what holes and handles suggest.
 
     Parameters
@@ -57,8 +57,6 @@ def judge(cloud: PreparedCloud, starts: Planes, rng: np.random.Generator) -> Hyp
         The cloud.
     starts : (k, 4) float
         Where to begin.
-    rng : numpy.random.Generator
-        Chooses among rim points.
 
     Returns
     -------
@@ -72,7 +70,7 @@ def judge(cloud: PreparedCloud, starts: Planes, rng: np.random.Generator) -> Hyp
     best_fit = merit(evidence) + FINE_SHARE * measured[:, TRAITS.index("fine agreement")]
     kept = distinct_planes(planes, best_fit, VARIANT)
     found = Hypotheses(planes[kept], evidence.take(kept), chances[kept])
-    found = _with_halves(cloud, _with_meridians(cloud, found), rng)
+    found = _with_halves(cloud, _with_meridians(cloud, found))
     return found.take(distinct_planes(found.planes, found.chances, VARIANT))
 
 
@@ -128,9 +126,9 @@ def _with_meridians(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
     return _joined(found.take(others), cloud, planes, chances)
 
 
-def _with_halves(cloud: PreparedCloud, found: Hypotheses, rng: np.random.Generator) -> Hypotheses:
+def _with_halves(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
     """Add the plane in which the cloud ends, if it is one half of something."""
-    planes = rim_planes(cloud, rng)
+    planes = rim_planes(cloud)
     return _joined(found, cloud, planes, half_confidence(examine_halves(planes, cloud)))
 
 

@@ -1,22 +1,27 @@
-"""Half a statue: nothing is left beyond the plane, but the rim lies on it and the surface meets it squarely."""
+"""Half a statue: nothing is left beyond the plane, and the surface meets it at right angles."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from meshlab_symrecon.arrays import Floats, Indices, Planes
+from meshlab_symrecon.symmetry.breaks import rim_reach
 from meshlab_symrecon.symmetry.preparation import PreparedCloud
 
 __all__ = ["HalfEvidence", "examine_halves", "rim_planes"]
 
 # Lengths are in diagonals of the prepared cloud.
-RIM_SPACINGS, LEAST_RIM = 1.5, 0.008  # distance from the plane within which a rim point is on it
 FEWEST_RIM = 30  # points
-TRIPLES = 2_000  # of rim points that are tried
-POLISHING = 5  # rounds of fitting to the rim points on the plane
-LEAST_SPREAD = 0.01  # sine between the sides of a triple: collinear points span no plane
+RIM_INSIDE = 1.0  # spacings: the outermost samples end that far before the cut
+AROUND = 0.05  # radius about a rim point in which the surface's turning is followed,
+WHOLE = 2.0  # by normals at least so many spacings from the rim: nearer ones are one-sided
+SAME_SIDE = 0.3  # cosine between normals of the same sheet
+FEWEST_AROUND = 6
+MOSTLY = 0.6  # share of the rim points that has to tell
+TINY = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,12 +30,12 @@ class HalfEvidence:
 
     rim_share: Floats  # (k,)  share of all rim points that lie on the plane
     beyond: Floats  # (k,)  share of the cloud that lies beyond it
-    crossing: Floats  # (k,)  median |cosine| between the surface's normals there and the plane's
+    crossing: Floats  # (k,)  median |cosine| between the normals of surface and plane where they meet
     thickness: Floats  # (k,)  extent of the cloud across the plane / its smaller one along it
 
 
-def rim_planes(cloud: PreparedCloud, rng: np.random.Generator) -> Planes:
-    """Fit a plane to the rims of the cloud's holes.
+def rim_planes(cloud: PreparedCloud) -> Planes:
+    """Return the plane on which the cloud's rims lie, moved to where the cloud ends.
 
     A mirror plane cuts a smooth symmetric surface at right angles, and where one half is missing
     the rim of what is left is that cut.
@@ -39,36 +44,16 @@ def rim_planes(cloud: PreparedCloud, rng: np.random.Generator) -> Planes:
     ----------
     cloud : PreparedCloud
         The cloud.
-    rng : numpy.random.Generator
-        Chooses triples of rim points.
 
     Returns
     -------
     (k, 4) float
-        The plane with most rim points on it; none with fewer than 30 rim points.
+        One plane, or none.
     """
-    rim = cloud.points[cloud.border]
-    if len(rim) < FEWEST_RIM:
+    if cloud.rim_plane is None:
         return np.zeros((0, 4))
-    reach = _reach(cloud)
-    corners = rim[rng.integers(0, len(rim), (TRIPLES, 3))]
-    sides = corners[:, 1:] - corners[:, :1]
-    normals = np.cross(sides[:, 0], sides[:, 1])
-    lengths = np.linalg.norm(normals, axis=1)
-    spread = lengths > LEAST_SPREAD * np.prod(np.linalg.norm(sides, axis=2), axis=1)
-    if not spread.any():
-        return np.zeros((0, 4))
-    normals = normals[spread] / lengths[spread, np.newaxis]
-    offsets = -np.einsum("ti,ti->t", normals, corners[spread, 0])
-    counts = (np.abs(normals @ rim.T + offsets[:, np.newaxis]) < reach).sum(axis=1)
-    best = int(np.argmax(counts))
-    normal, offset = normals[best], float(offsets[best])
-    for _ in range(POLISHING):
-        inside = rim[np.abs(rim @ normal + offset) < reach]
-        centre = inside.mean(axis=0)
-        normal = np.linalg.svd(inside - centre, full_matrices=False)[2][2]
-        offset = float(-normal @ centre)
-    return np.append(normal, offset)[np.newaxis]
+    outwards = np.array([0.0, 0.0, 0.0, RIM_INSIDE * cloud.spacing])
+    return (cloud.rim_plane + outwards)[np.newaxis]
 
 
 def examine_halves(planes: Planes, cloud: PreparedCloud) -> HalfEvidence:
@@ -86,15 +71,11 @@ def examine_halves(planes: Planes, cloud: PreparedCloud) -> HalfEvidence:
     HalfEvidence
         Rows in the order of the planes.
     """
-    reach = _reach(cloud)
+    reach = rim_reach(cloud.spacing) + RIM_INSIDE * cloud.spacing
     rim = np.flatnonzero(cloud.border)
     rows = [_half(plane, cloud, rim, reach) for plane in planes]
     columns = np.array(rows, dtype=np.float64).reshape(len(planes), 4).T
     return HalfEvidence(*columns)
-
-
-def _reach(cloud: PreparedCloud) -> float:
-    return max(RIM_SPACINGS * cloud.spacing, LEAST_RIM)
 
 
 def _half(
@@ -106,9 +87,30 @@ def _half(
     beyond = min(float((heights > reach).mean()), float((heights < -reach).mean()))
     if len(on_plane) < FEWEST_RIM:
         return 0.0, beyond, 1.0, np.inf
-    crossing = float(np.median(np.abs(cloud.normals[on_plane] @ normal)))
     flat = cloud.points - heights[:, np.newaxis] * normal
     axes = np.linalg.svd(flat - flat.mean(axis=0), full_matrices=False)[2][:2]
     narrow = min(float(np.ptp(flat @ axis)) for axis in axes)
     thickness = float(np.ptp(heights)) / max(narrow, np.finfo(float).tiny)
-    return len(on_plane) / len(rim), beyond, crossing, thickness
+    return len(on_plane) / len(rim), beyond, _crossing(cloud, normal, heights, on_plane), thickness
+
+
+def _crossing(cloud: PreparedCloud, normal: Floats, heights: Floats, rim: Indices) -> float:
+    """Follow the surface's normals to the plane.
+
+    Their cosine with the plane's normal is proportional to the height in a round cross-section, and
+    vanishes on a mirror plane.
+    """
+    cosines = cloud.normals @ normal
+    usable = cloud.border_distance > WHOLE * cloud.spacing
+    found = []
+    for point, around in zip(
+        rim, cKDTree(cloud.points).query_ball_point(cloud.points[rim], AROUND), strict=True
+    ):
+        near = np.array(around)
+        near = near[usable[near] & (cloud.normals[near] @ cloud.normals[point] > SAME_SIDE)]
+        if len(near) >= FEWEST_AROUND:
+            rise, run = cosines[near], heights[near]
+            spread = run - run.mean()
+            slope = (spread @ rise) / max(float(spread @ spread), TINY)
+            found.append(abs(float(rise.mean() - slope * run.mean())))
+    return float(np.median(found)) if len(found) >= MOSTLY * len(rim) else 1.0

@@ -23,6 +23,7 @@ from meshlab_symrecon.geometry.sampling import (
     thin_by_voxels,
     voxel_means,
 )
+from meshlab_symrecon.symmetry.breaks import NOT_BROKEN, broken_off, on_plane, rim_plane
 from meshlab_symrecon.symmetry.cleaning import without_clutter
 from meshlab_symrecon.symmetry.orientation import orient
 
@@ -49,7 +50,9 @@ class PreparedCloud:
     normals: Points  # (m, 3)  unit, pointing outwards where ``oriented``
     oriented: Booleans  # (m,)  the sign of the normal is known
     border: Booleans  # (m,)  on the rim of a hole
-    border_distance: Floats  # (m,)  to the nearest rim, infinite without one
+    border_distance: Floats  # (m,)  to the nearest rim but that of a flat break, or infinite
+    rim_plane: Floats | None  # (4,)  the plane on which most of the rims lie
+    broken_off: Floats  # (4,)  what lies below this plane is missing
     samples: Indices  # (s,)  farthest-point order: each beginning is an even sample
     distinctness: Floats  # (s,)  below 1 for a sample on an unusually large flat face
     relief: Floats  # (m, 3)  height of the centroid of a ball above the tangent plane, in radii
@@ -100,19 +103,27 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
     places, directions, roughness = _smooth_surface(dense, dense[base])
     directions, oriented = orient(places, directions, None if sides is None else sides[base])
     border = border_points(places, directions)
-    rims = cKDTree(places[border]).query(places)[0] if border.any() else np.inf
+    spacing = float(np.median(cKDTree(places).query(places, k=2)[0][:, 1]))
+    rims = rim_plane(places, border, spacing)
+    ended = broken_off(places, border, rims, spacing)
+    holes = places[border]
+    if rims is not None and ended is not NOT_BROKEN:
+        holes = holes[~on_plane(holes, rims, spacing)]
+    distance = cKDTree(holes).query(places)[0] if len(holes) else np.inf
     samples = farthest_point_order(places, sample_count)
     return PreparedCloud(
         points=places,
         normals=directions,
         oriented=oriented,
         border=border,
-        border_distance=np.broadcast_to(rims, len(places)).copy(),
+        border_distance=np.broadcast_to(distance, len(places)).copy(),
+        rim_plane=rims,
+        broken_off=ended,
         samples=samples,
         distinctness=_distinctness(places[samples], directions[samples]),
         relief=np.stack([_native.relief(places, directions, r) for r in RELIEF_RADII], axis=1),
         root_covariance=_root_covariance(places),
-        spacing=float(np.median(cKDTree(places).query(places, k=2)[0][:, 1])),
+        spacing=spacing,
         roughness=roughness,
         field=nearest_field(places, FIELD_CELL, FIELD_MARGIN, FIELD_CELLS),
         axes=frame.axes,

@@ -120,7 +120,7 @@ def meridians(axis: Axis, cloud: PreparedCloud, tolerance: float) -> Meridians |
     if (agreement >= NEARLY_BEST * agreement.max()).mean() < CONTINUOUS:
         return None
     landings = land(planes, cloud, cloud.samples, tolerance)
-    judged = landings.weights * ~landings.excused
+    judged = landings.weights * ~(landings.excused | landings.broken_off)
     times = judged.sum(axis=0)
     usual = (landings.weights * landings.worth).sum(axis=0) / np.maximum(times, 1.0)
     on_body = float(np.median(usual[usual > 0.0])) if (usual > 0.0).any() else 1.0

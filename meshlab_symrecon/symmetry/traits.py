@@ -26,6 +26,7 @@ TRAITS = (
     "worst regions",  # agreement in the region at the lower fifth
     "turn",  # median angle between the normals of partners, degrees
     "excused",  # share of the samples whose image may be in a hole
+    "broken off",  # share of the samples whose image is known to be missing
     "rim agreement",  # share of rim points whose image lies on the surface
     "rim excused",  # and of those whose image is near another rim
     "lead",  # merit ahead of other planes
@@ -96,7 +97,7 @@ def traits(planes: Planes, evidence: Evidence, cloud: PreparedCloud, tolerance: 
 
     Returns
     -------
-    (k, 16) float
+    (k, 17) float
         Columns as in `TRAITS`.
     """
     if len(planes) == 0:
@@ -117,7 +118,8 @@ def traits(planes: Planes, evidence: Evidence, cloud: PreparedCloud, tolerance: 
         *relief.T,
         _worst_regions(landings, cloud.points[queries]),
         _turn(landings, cloud.spacing),
-        (landings.weights * landings.excused).sum(axis=1) / total,
+        _excused(landings),
+        (landings.weights * landings.broken_off).sum(axis=1) / total,
         rim,
         rim_excused,
         np.clip(_lead(planes, evidence), 0.0, MOST_LEAD),
@@ -126,9 +128,17 @@ def traits(planes: Planes, evidence: Evidence, cloud: PreparedCloud, tolerance: 
     return np.stack(columns, axis=1)
 
 
+def _excused(landings: Landings) -> Floats:
+    """Share of the images that may have fallen into holes, among those not known to be missing."""
+    uncertain = landings.weights * ~landings.broken_off
+    total = np.maximum(uncertain.sum(axis=1), 1.0)
+    found: Floats = (uncertain * landings.excused).sum(axis=1) / total
+    return found
+
+
 def _near_misses(landings: Landings, cloud: PreparedCloud) -> Floats:
     least = max(NEAR_MISS, NEAR_MISS_SPACINGS * cloud.spacing)
-    missed = (landings.distances > least) & (landings.distances < BEYOND)
+    missed = (landings.distances > least) & (landings.distances < BEYOND) & ~landings.broken_off
     missed &= cloud.border_distance[landings.partners] > RIM_REACH * landings.distances
     found: Floats = (landings.weights * missed).sum(axis=1)
     return found
@@ -139,7 +149,7 @@ def _worst_regions(landings: Landings, places: Floats) -> Floats:
     regions = cKDTree(places[:REGIONS]).query(places)[1]
     member = np.zeros((len(places), REGIONS))
     member[np.arange(len(places)), regions] = 1.0
-    judged = (landings.weights * ~landings.excused) @ member
+    judged = (landings.weights * ~(landings.excused | landings.broken_off)) @ member
     matched = (landings.weights * landings.worth) @ member
     whole = np.maximum(landings.weights @ member, FEWEST_JUDGED)
     shares = np.where(judged > ENOUGH_JUDGED * whole, matched / np.maximum(judged, TINY), np.nan)
@@ -152,7 +162,7 @@ def _worst_regions(landings: Landings, places: Floats) -> Floats:
 
 def _turn(landings: Landings, spacing: float) -> Floats:
     close = landings.distances < max(CLOSE, CLOSE_SPACINGS * spacing)
-    close &= ~landings.excused & (landings.weights > OFF_PLANE)
+    close &= ~landings.excused & ~landings.broken_off & (landings.weights > OFF_PLANE)
     angles = np.degrees(np.arccos(np.clip(np.abs(landings.cosines), 0.0, 1.0)))
     turns = np.full(len(angles), LARGEST_TURN)
     for row, rows in enumerate(close):
@@ -170,11 +180,9 @@ def _rim_agreement(
         return agreement, np.zeros(len(planes))
     rim = rim[np.linspace(0, len(rim) - 1, min(len(rim), MOST_RIM)).astype(np.int64)]
     landings = land(planes, cloud, rim, RIM_TOLERANCE)
-    total = np.maximum(landings.weights.sum(axis=1), 1.0)
-    return (
-        (landings.weights * landings.worth).sum(axis=1) / total,
-        (landings.weights * landings.excused).sum(axis=1) / total,
-    )
+    uncertain = landings.weights * ~landings.broken_off
+    matched = (uncertain * landings.worth).sum(axis=1)
+    return matched / np.maximum(uncertain.sum(axis=1), 1.0), _excused(landings)
 
 
 def _lead(planes: Planes, evidence: Evidence) -> Floats:

@@ -22,6 +22,7 @@ LEAST_GAP = 2.0  # spacings to the surface below which there is no hole to speak
 FAR = 0.03  # diagonals off the surface that make a contradiction,
 FAR_SPACINGS = 4.0  # but at least this many spacings: gaps of a sparse cloud contradict nothing
 TOLERANCE_SPACINGS = 0.4  # a sparse cloud's tangent planes are that much coarser
+HOLE, BROKEN_OFF = 1, 2  # excuses
 BEYOND = 0.25  # diagonals beyond which nothing can be said
 
 
@@ -63,7 +64,8 @@ class Landings:
     distances: Floats  # (k, q)  to the partners, in diagonals
     cosines: Floats  # (k, q)  between the normals; |cosine| where a side is not known
     worth: Floats  # (k, q)  of the match, 0 to 1
-    excused: Booleans  # (k, q)  the image may have fallen into a hole
+    excused: Booleans  # (k, q)  the image may have fallen into a hole,
+    broken_off: Booleans  # (k, q)  or is known to be missing
 
 
 def examine(
@@ -99,7 +101,7 @@ def examine(
         cloud.oriented.view(np.uint8),
         cloud.border_distance,
         exact,
-        _rules(cloud.spacing, tolerance),
+        _rules(cloud, tolerance),
     ).T
     return Evidence(*(np.ascontiguousarray(column) for column in columns))
 
@@ -133,14 +135,15 @@ def land(planes: Planes, cloud: PreparedCloud, queries: Indices, tolerance: floa
             cloud.oriented.view(np.uint8),
             cloud.border_distance,
             True,
-            _rules(cloud.spacing, tolerance),
+            _rules(cloud, tolerance),
         )
     )
-    return Landings(partners, weights, distances, cosines, worth, excused.astype(bool))
+    return Landings(partners, weights, distances, cosines, worth, excused == HOLE, excused == BROKEN_OFF)
 
 
-def _rules(spacing: float, tolerance: float) -> _native.EvidenceRules:
+def _rules(cloud: PreparedCloud, tolerance: float) -> _native.EvidenceRules:
     none, full = DIRECTION_RAMP
+    spacing = cloud.spacing
     return _native.EvidenceRules(
         tolerance=max(tolerance, TOLERANCE_SPACINGS * spacing),
         no_direction=none,
@@ -152,4 +155,5 @@ def _rules(spacing: float, tolerance: float) -> _native.EvidenceRules:
         least_gap=LEAST_GAP * spacing,
         far=max(FAR, FAR_SPACINGS * spacing),
         beyond=BEYOND,
+        broken_off=cloud.broken_off,
     )
