@@ -75,7 +75,7 @@ def _judged(cloud: PreparedCloud, planes: np.ndarray) -> tuple[np.ndarray, np.nd
     kept = distinct_planes(planes, merit(evidence), cascade.SAME)[: cascade.KEPT]
     planes, evidence = planes[kept], evidence.take(kept)
     measured = traits(planes, evidence, cloud, cascade.TOLERANCE)
-    chances = confidence(measured, evidence, len(cloud.samples))
+    chances = confidence(measured, evidence, len(cloud.samples), broken=cloud.broken)
     order = distinct_planes(planes, chances, hypotheses.VARIANT)
     planes, evidence, chances = planes[order], evidence.take(order), chances[order]
     reported = believable(evidence.agreement, chances, OPTIONS.min_confidence)

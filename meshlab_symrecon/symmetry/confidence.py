@@ -11,26 +11,35 @@ from meshlab_symrecon.symmetry.verification import Evidence
 
 __all__ = ["believable", "confidence", "half_confidence", "meridian_confidence"]
 
-# Logistic regression; docs/detection.md tells on what.
-INTERCEPT = -2.41
+# Logistic regressions whose weights may not contradict their meaning; docs/detection.md tells on what.
+# Traits without a weight say nothing that the others do not.
+CONSTANT = -3.09
 WEIGHTS = {
-    "support": -0.04,
-    "agreement": -4.35,
-    "fine agreement": 1.13,
-    "cleanness": 5.52,
-    "near misses": -0.30,
-    "residual": -8.26,
-    "fine relief": -2.46,
-    "relief": 1.55,
-    "coarse relief": 2.49,
-    "worst regions": 2.98,
-    "turn": 0.09,
-    "excused": -4.88,
-    "broken off": -4.88,
-    "rim agreement": 0.02,
-    "rim excused": -6.83,
-    "lead": 0.69,
-    "roughness": 2.90,
+    "cleanness": 6.32,
+    "near misses": -0.53,
+    "residual": -6.31,
+    "relief": 0.79,
+    "coarse relief": 2.43,
+    "excused": -6.34,
+    "rim excused": -7.71,
+    "lead": 0.26,
+    "roughness": 1.83,
+}
+# Clouds that end at a flat break: what is missing is known, and little is left to compare.
+BROKEN_CONSTANT = -4.62
+BROKEN_WEIGHTS = {
+    "fine agreement": 0.02,
+    "cleanness": 0.94,
+    "near misses": -0.48,
+    "residual": -7.87,
+    "fine relief": 1.37,
+    "worst regions": 1.43,
+    "excused": -9.05,
+    "broken off": -3.24,
+    "rim agreement": 0.28,
+    "rim excused": -1.90,
+    "lead": 1.13,
+    "roughness": 1.90,
 }
 ENOUGH_SAMPLES = 100  # fewer match by chance: confidence falls in proportion
 CLEAR_AGREEMENT = 0.85
@@ -38,7 +47,7 @@ ENOUGH_UNCLEAR = 1500  # samples needed where agreement is not clear: smooth bod
 RIVAL = 0.05  # agreement that a further plane may lack against the best one
 
 
-def confidence(traits: Floats, evidence: Evidence, count: int) -> Floats:
+def confidence(traits: Floats, evidence: Evidence, count: int, *, broken: bool) -> Floats:
     """Return the chance that each plane is true.
 
     Parameters
@@ -49,13 +58,16 @@ def confidence(traits: Floats, evidence: Evidence, count: int) -> Floats:
         Of the same planes.
     count : int
         Number of samples that were compared.
+    broken : bool
+        The cloud ends at a flat break.
 
     Returns
     -------
     (k,) float
         Chances, 0 to 1.
     """
-    log_odds = INTERCEPT + traits @ np.array([WEIGHTS[name] for name in TRAITS])
+    constant, weights = (BROKEN_CONSTANT, BROKEN_WEIGHTS) if broken else (CONSTANT, WEIGHTS)
+    log_odds = constant + traits @ np.array([weights.get(name, 0.0) for name in TRAITS])
     enough = np.where(evidence.agreement >= CLEAR_AGREEMENT, ENOUGH_SAMPLES, ENOUGH_UNCLEAR)
     chances: Floats = np.minimum(1.0, count / enough) * _logistic(log_odds)
     return chances

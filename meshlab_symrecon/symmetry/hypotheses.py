@@ -65,7 +65,7 @@ def judge(cloud: PreparedCloud, starts: Planes) -> Hypotheses:
     """
     planes, evidence = refine_and_verify(cloud, starts)
     measured = traits(planes, evidence, cloud, TOLERANCE)
-    chances = confidence(measured, evidence, len(cloud.samples))
+    chances = confidence(measured, evidence, len(cloud.samples), broken=cloud.broken)
     # Among variants of a plane the one that fits best is right, whatever its surroundings say.
     best_fit = merit(evidence) + FINE_SHARE * measured[:, TRAITS.index("fine agreement")]
     kept = distinct_planes(planes, best_fit, VARIANT)
@@ -96,7 +96,8 @@ def judge_drawn(cloud: PreparedCloud, starts: Planes, drawn: Planes) -> Hypothes
     everything = np.concatenate([planes, rivals])
     evidence = examine(everything, cloud, len(cloud.samples), TOLERANCE, exact=True)
     measured = traits(everything, evidence, cloud, TOLERANCE)
-    chances = confidence(measured, evidence, len(cloud.samples))[: len(planes)]
+    chances = confidence(measured, evidence, len(cloud.samples), broken=cloud.broken)
+    chances = chances[: len(planes)]
     halves = half_confidence(examine_halves(planes, cloud))
     rows = np.arange(len(planes))
     return Hypotheses(planes, evidence.take(rows), np.maximum(chances, halves))

@@ -23,7 +23,7 @@ from meshlab_symrecon.geometry.sampling import (
     thin_by_voxels,
     voxel_means,
 )
-from meshlab_symrecon.symmetry.breaks import NOT_BROKEN, broken_off, on_plane, rim_plane
+from meshlab_symrecon.symmetry.breaks import broken_off, on_plane, rim_plane
 from meshlab_symrecon.symmetry.cleaning import without_clutter
 from meshlab_symrecon.symmetry.orientation import orient
 
@@ -63,6 +63,11 @@ class PreparedCloud:
     axes: Floats  # (3, 3)  rows: its axes, in the coordinates of the input
     centre: Floats  # (3,)  its origin, in the coordinates of the input
     scale: float  # its diagonal, in the units of the input
+
+    @property
+    def broken(self) -> bool:
+        """Whether the cloud ends at a flat break."""
+        return bool(self.broken_off[:3].any())
 
     def from_input(self, planes: Planes) -> Planes:
         """Return planes (k, 4) of the input in the coordinates of this cloud."""
@@ -107,7 +112,7 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
     rims = rim_plane(places, border, spacing)
     ended = broken_off(places, border, rims, spacing)
     holes = places[border]
-    if rims is not None and ended is not NOT_BROKEN:
+    if rims is not None and ended[:3].any():
         holes = holes[~on_plane(holes, rims, spacing)]
     distance = cKDTree(holes).query(places)[0] if len(holes) else np.inf
     samples = farthest_point_order(places, sample_count)
