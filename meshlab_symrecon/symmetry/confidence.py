@@ -44,7 +44,7 @@ BROKEN_WEIGHTS = {
 ENOUGH_SAMPLES = 100  # fewer match by chance: confidence falls in proportion
 CLEAR_AGREEMENT = 0.85
 ENOUGH_UNCLEAR = 1500  # samples needed where agreement is not clear: smooth bodies look alike
-RIVAL = 0.05  # agreement that a further plane may lack against the best one
+RIVAL = 0.2  # agreement that a further plane may lack against the best one
 
 
 def confidence(traits: Floats, evidence: Evidence, count: int, *, broken: bool) -> Floats:

@@ -29,6 +29,12 @@ __all__ = ["Hypotheses", "judge", "judge_drawn"]
 
 VARIANT = (np.radians(8.0), 0.06)  # angle and offset of two planes of which at most one is true
 FINE_SHARE = 6.0  # of fine agreement in the choice between variants
+CHANCE_STEPS = 10  # chances in the same step are equal
+MOST_LIKELY = 6  # planes whose images across each other are tried
+LIKELY = 0.3  # chance of a plane that others must not contradict
+AGREEMENT_LOST = 0.2  # by the mirror image of a plane across another one
+CONTRADICTED = 0.02
+INCONSISTENT = 0.1  # what is left of the chance of a plane that contradicts a likelier one
 PURE = 0.03  # share off a body of revolution below which all its meridians are true
 NEARLY_BEST = 0.8  # of the best meridian's handle: another handle's plane
 APART = np.radians(15.0)  # between meridians that are not the same one
@@ -64,14 +70,38 @@ def judge(cloud: PreparedCloud, starts: Planes) -> Hypotheses:
         Planes that differ, the likeliest first.
     """
     planes, evidence = refine_and_verify(cloud, starts)
+    found = _judged(cloud, planes, evidence)
+    group = _group_images(cloud, found)
+    if len(group):
+        joined = evidence.joined(examine(group, cloud, len(cloud.samples), TOLERANCE, exact=True))
+        found = _judged(cloud, np.concatenate([planes, group]), joined)
+    found = _best_first(_with_halves(cloud, _with_meridians(cloud, found)))
+    return _best_first(_consistent(cloud, found.take(_not_parallel(found.planes))))
+
+
+def _judged(cloud: PreparedCloud, planes: Planes, evidence: Evidence) -> Hypotheses:
+    """Give each plane its chance, and choose among variants of a plane."""
     measured = traits(planes, evidence, cloud, TOLERANCE)
     chances = confidence(measured, evidence, len(cloud.samples), broken=cloud.broken)
-    # Among variants of a plane the one that fits best is right, whatever its surroundings say.
+    # The one that fits best is right, whatever its surroundings say.
     best_fit = merit(evidence) + FINE_SHARE * measured[:, TRAITS.index("fine agreement")]
     kept = distinct_planes(planes, best_fit, VARIANT)
-    found = Hypotheses(planes[kept], evidence.take(kept), chances[kept])
-    found = _with_halves(cloud, _with_meridians(cloud, found))
-    return found.take(distinct_planes(found.planes, found.chances, VARIANT))
+    return Hypotheses(planes[kept], evidence.take(kept), chances[kept])
+
+
+def _group_images(cloud: PreparedCloud, found: Hypotheses) -> Planes:
+    """Return mirror images of likely planes across each other that were not found yet."""
+    likely = found.planes[found.chances >= LIKELY][:MOST_LIKELY]
+    images = [_reflected(plane, mirror) for plane in likely for mirror in likely]
+    new: list[Floats] = []
+    for image in images:
+        known = np.concatenate([found.planes, np.array(new).reshape(-1, 4)])
+        apart = plane_angles(known, image) > VARIANT[0]
+        sign = np.where(known[:, :3] @ image[:3] < 0.0, -1.0, 1.0)
+        apart |= np.abs(sign * known[:, 3] - image[3]) > VARIANT[1]
+        if apart.all():
+            new.append(image)
+    return refine_nearby(cloud, np.array(new).reshape(-1, 4)) if new else np.zeros((0, 4))
 
 
 def judge_drawn(cloud: PreparedCloud, starts: Planes, drawn: Planes) -> Hypotheses:
@@ -103,6 +133,49 @@ def judge_drawn(cloud: PreparedCloud, starts: Planes, drawn: Planes) -> Hypothes
     return Hypotheses(planes, evidence.take(rows), np.maximum(chances, halves))
 
 
+def _best_first(found: Hypotheses) -> Hypotheses:
+    """Order by chance; among planes about as likely, by merit."""
+    steps = np.round(found.chances * CHANCE_STEPS)
+    return found.take(np.lexsort((-found.chances, -merit(found.evidence), -steps)))
+
+
+def _not_parallel(planes: Planes) -> Indices:
+    """Choose the first of parallel planes: no bounded body has two that are true."""
+    kept: list[int] = []
+    for row, plane in enumerate(planes):
+        if not kept or plane_angles(planes[kept], plane).min() > VARIANT[0]:
+            kept.append(row)
+    return np.array(kept, dtype=np.int64)
+
+
+def _consistent(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
+    """Lower the chances of planes that contradict likelier ones.
+
+    The mirror image of a mirror plane across another one is a mirror plane, too.
+    """
+    chances = found.chances.copy()
+    likely: list[int] = []
+    for row in np.flatnonzero(chances >= LIKELY):
+        images = np.array([_reflected(found.planes[k], found.planes[row]) for k in likely])
+        images = images.reshape(len(likely), 4)
+        evidence = examine(images, cloud, len(cloud.samples), TOLERANCE, exact=True)
+        least = found.evidence.agreement[row] - AGREEMENT_LOST
+        confirmed = (evidence.agreement >= least) & (evidence.contradiction <= CONTRADICTED)
+        if confirmed.all():
+            likely.append(int(row))
+        else:
+            chances[row] *= INCONSISTENT
+    return Hypotheses(found.planes, found.evidence, chances)
+
+
+def _reflected(plane: Floats, mirror: Floats) -> Floats:
+    """Return the mirror image of a plane across another one."""
+    cosine = plane[:3] @ mirror[:3]
+    return np.append(
+        plane[:3] - 2.0 * cosine * mirror[:3], plane[3] - 2.0 * cosine * mirror[3]
+    )
+
+
 def _with_meridians(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
     """Let the handle choose among the planes through an axis of revolution."""
     axis = revolution_axis(found.planes, found.evidence.agreement)
@@ -130,7 +203,9 @@ def _with_meridians(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
 def _with_halves(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
     """Add the plane in which the cloud ends, if it is one half of something."""
     planes = rim_planes(cloud)
-    return _joined(found, cloud, planes, half_confidence(examine_halves(planes, cloud)))
+    chances = half_confidence(examine_halves(planes, cloud))
+    # Who has a plane of its own needs no missing half.
+    return _joined(found, cloud, planes, chances * (1.0 - found.chances.max(initial=0.0)))
 
 
 def _joined(found: Hypotheses, cloud: PreparedCloud, planes: Planes, chances: Floats) -> Hypotheses:

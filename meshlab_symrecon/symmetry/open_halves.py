@@ -16,10 +16,10 @@ __all__ = ["HalfEvidence", "examine_halves", "rim_planes"]
 # Lengths are in diagonals of the prepared cloud.
 FEWEST_RIM = 30  # points
 RIM_INSIDE = 1.0  # spacings: the outermost samples end that far before the cut
-AROUND = 0.05  # radius about a rim point in which the surface's turning is followed,
+AROUND = 8.0  # spacings about a rim point in which the surface's turning is followed,
 WHOLE = 2.0  # by normals at least so many spacings from the rim: nearer ones are one-sided
 SAME_SIDE = 0.3  # cosine between normals of the same sheet
-FEWEST_AROUND = 6
+FEWEST_AROUND = 8.0  # spacings about a rim point in which the surface's turning is followed,
 MOSTLY = 0.6  # share of the rim points that has to tell
 TINY = float(np.finfo(np.float64).tiny)
 
@@ -101,11 +101,13 @@ def _crossing(cloud: PreparedCloud, normal: Floats, heights: Floats, rim: Indice
     vanishes on a mirror plane.
     """
     cosines = cloud.normals @ normal
-    usable = cloud.border_distance > WHOLE * cloud.spacing
+    to_rim = cKDTree(cloud.points[cloud.border]).query(cloud.points)[0]
+    usable = to_rim > WHOLE * cloud.spacing
+    surroundings = cKDTree(cloud.points).query_ball_point(
+        cloud.points[rim], AROUND * cloud.spacing
+    )
     found = []
-    for point, around in zip(
-        rim, cKDTree(cloud.points).query_ball_point(cloud.points[rim], AROUND), strict=True
-    ):
+    for point, around in zip(rim, surroundings, strict=True):
         near = np.array(around)
         near = near[usable[near] & (cloud.normals[near] @ cloud.normals[point] > SAME_SIDE)]
         if len(near) >= FEWEST_AROUND:
