@@ -136,6 +136,19 @@ def test_a_plane_that_was_moved_by_its_matrix_is_refined_where_it_is_seen():
     assert_true(refined(mesh_set)["planes"][0])
 
 
+def test_a_plane_that_meshlab_fits_to_some_points_of_the_middle_is_refined():
+    mesh_set = document(STATUE)
+    near = np.flatnonzero(np.abs(STATUE @ TRUE[:3] + TRUE[3]) < 0.02 * DIAGONAL)[:6]
+    condition = " || ".join(f"vi == {index}" for index in near)
+    mesh_set.compute_selection_by_condition_per_vertex(condselect=condition)
+    mesh_set.generate_plane_fitting_to_selection()
+    fitted = mesh_set.current_mesh_id()
+    mesh_set.set_current_mesh(0)
+    sheet = read_layer(mesh_set, fitted)
+    assert errors(planes_of_pieces(sheet.points, sheet.faces)[0])[0] > 0.5
+    assert_true(refined(mesh_set, planes=fitted)["planes"][0])
+
+
 def test_planes_are_refined_in_their_order_and_none_is_lost():
     mesh_set = document(STATUE)
     (across,) = PLACED.planes(np.array([[0.0, 0.0, 1.0, 0.0]]))
