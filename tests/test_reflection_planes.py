@@ -149,6 +149,17 @@ def test_a_plane_that_meshlab_fits_to_some_points_of_the_middle_is_refined():
     assert_true(refined(mesh_set, planes=fitted)["planes"][0])
 
 
+@pytest.mark.parametrize("motion", shapes.MOTIONS, ids=lambda motion: motion.name)
+def test_refining_follows_rotation_translation_and_scale(motion):
+    mesh_set = document(motion(STATUE))
+    (drawn,) = motion.planes(by_hand(TRUE)[None])
+    corners, faces = planes_as_quads(drawn[None], motion(STATUE))
+    add_layer(mesh_set, Layer(corners, faces, PLANES_LABEL), current=False)
+    turn = np.column_stack([motion.scale * motion.turn, motion.shift])
+    back = refined(mesh_set)["planes"][0] @ np.vstack([turn, [0.0, 0.0, 0.0, 1.0]])
+    assert_true(back / np.linalg.norm(back[:3]))
+
+
 def test_planes_are_refined_in_their_order_and_none_is_lost():
     mesh_set = document(STATUE)
     (across,) = PLACED.planes(np.array([[0.0, 0.0, 1.0, 0.0]]))
