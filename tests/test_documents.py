@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import warnings
 from importlib import metadata
 from pathlib import Path
 
@@ -13,12 +14,15 @@ import pymeshlab
 import pytest
 
 import meshlab_symrecon
+from meshlab_symrecon.errors import SymReconWarning
 from meshlab_symrecon.geometry.surfaces import topology
+from meshlab_symrecon.host.script import run_script
 from meshlab_symrecon.host.steps import registry, run_filter
 from meshlab_symrecon.plugin.documentation import filters_page
 
 ROOT = Path(__file__).parents[1]
 README = ROOT.joinpath("README.md").read_text(encoding="utf-8")
+DETECTION = ROOT.joinpath("docs/detection.md").read_text(encoding="utf-8")
 
 
 def test_the_filters_page_is_up_to_date():
@@ -62,6 +66,43 @@ def test_the_kernel_of_the_readme_runs():
     names = {"points": mesh_set.current_mesh().vertex_matrix()}
     exec(code[1], names)
     assert names["solid"].topology.closed
+
+
+def test_the_drawn_plane_of_the_detection_page_is_refined(tmp_path):
+    code = re.search(r"```python\n(.*?)```", DETECTION, re.DOTALL)
+    assert code is not None
+    scan = ROOT / "examples/data/nefertiti_small.ply"
+    script = code[1].replace("examples/data/nefertiti_incomplete.ply", str(scan))
+    script += "np.savetxt('planes.txt', found['planes'])\nms.save_current_mesh('completed.ply')\n"
+    (tmp_path / "draw.py").write_text(script, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "draw.py"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    plane = np.loadtxt(tmp_path / "planes.txt")
+    shown = re.search(r"mirror plane +([-\d. ]+)\(A B C D\)", README)
+    assert shown is not None
+    true = np.array(shown[1].split(), dtype=float)
+    assert np.degrees(np.linalg.norm(np.cross(plane[:3], true[:3]))) < 1.0
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.load_new_mesh(str(tmp_path / "completed.ply"))
+    assert mesh_set.current_mesh().vertex_number() > 3_000
+
+
+def test_the_script_of_the_detection_page_selects_and_runs(tmp_path):
+    text = re.search(r"```xml\n(.*?)```", DETECTION, re.DOTALL)
+    assert text is not None
+    (tmp_path / "select.mlx").write_text(text[1], encoding="utf-8")
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.load_new_mesh(str(ROOT / "examples/data/nefertiti_small.ply"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SymReconWarning)  # there may be no plane
+        report = run_script(mesh_set, tmp_path / "select.mlx")
+    assert [step.status for step in report.steps] == ["ran"] * 3
+    scan = mesh_set.mesh(0)
+    expected = scan.vertex_matrix()[:, 1] > 150.0
+    assert 0 < np.count_nonzero(expected) < len(expected)
+    assert np.array_equal(scan.vertex_selection_array(), expected)
 
 
 def test_no_placeholder_is_left():

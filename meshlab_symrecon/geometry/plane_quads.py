@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from meshlab_symrecon.arrays import Faces, Floats, Planes, Points
+from meshlab_symrecon.arrays import Faces, Floats, Planes, Points, as_points
 from meshlab_symrecon.errors import GeometryError
 
 __all__ = ["PLANES_LABEL", "planes_as_quads", "planes_of_pieces"]
@@ -71,15 +71,17 @@ def planes_of_pieces(points: Points, faces: Faces) -> Planes:
     Raises
     ------
     GeometryError
-        A piece is not flat, or has no area.
+        A piece is not flat, or has no area; a corner is not finite.
     """
+    points = as_points(points)
     sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
     links = coo_matrix((np.ones(len(sides)), sides.T), shape=(len(points), len(points)))
     piece = connected_components(links, directed=False)[1][faces[:, 0]]
-    first = np.sort(np.unique(piece, return_index=True)[1])
+    _, first, sizes = np.unique(piece, return_index=True, return_counts=True)
+    members = np.split(np.argsort(piece, kind="stable"), np.cumsum(sizes)[:-1])
     planes = [
-        _fitted(points[np.unique(faces[piece == piece[face]])], points[faces[face]], number)
-        for number, face in enumerate(first)
+        _fitted(points[np.unique(faces[members[label]])], points[faces[first[label]]], number)
+        for number, label in enumerate(np.argsort(first))
     ]
     return np.reshape(planes, (-1, 4)).astype(float)
 

@@ -14,7 +14,7 @@ import numpy as np
 import pymeshlab
 from numpy.typing import ArrayLike
 
-from meshlab_symrecon.arrays import Faces, Floats, Points
+from meshlab_symrecon.arrays import Booleans, Faces, Floats, Points
 from meshlab_symrecon.errors import HostError
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.translation import translated
@@ -69,7 +69,6 @@ def read_layer(mesh_set: Any, identifier: int) -> Layer:
         faces: Faces = np.ascontiguousarray(mesh.face_matrix(), dtype=np.int64).reshape(-1, 3)
         if not np.array_equal(matrix, np.eye(4)):
             points, normals, faces = _in_world(matrix, points, normals, faces, identifier)
-        selected = np.array(mesh.vertex_selection_array(), dtype=np.bool_)
         attributes = _attributes(mesh_set, identifier)
         return Layer(
             points=_sealed(points),
@@ -80,7 +79,8 @@ def read_layer(mesh_set: Any, identifier: int) -> Layer:
             quality=_vertex_quality(mesh),
             face_quality=_floats(mesh.face_scalar_array()) if mesh.has_face_scalar() else None,
             face_colours=_floats(mesh.face_color_matrix()) if mesh.has_face_color() else None,
-            selected=_sealed(selected) if selected.any() else None,
+            selected=_selection(mesh.vertex_selection_array()),
+            face_selected=_selection(mesh.face_selection_array()),
             attributes=attributes,
             identifier=identifier,
         )
@@ -179,6 +179,11 @@ def _vertex_quality(mesh: Any) -> Floats | None:
         return None
     quality = _floats(mesh.vertex_scalar_array())
     return _sealed(quality) if quality.any() else None
+
+
+def _selection(flags: ArrayLike) -> Booleans | None:
+    selected = np.array(flags, dtype=np.bool_)
+    return _sealed(selected) if selected.any() else None
 
 
 def _attributes(mesh_set: Any, identifier: int) -> Mapping[str, Floats]:

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from meshlab_symrecon.arrays import Booleans, Faces, Floats, Points
 from meshlab_symrecon.errors import GeometryError, ParameterError
 
@@ -31,6 +33,8 @@ class Layer:
     face_colours : (m, 4) float or None
     selected : (n,) bool or None
         MeshLab's vertex selection.
+    face_selected : (m,) bool or None
+        MeshLab's face selection.
     attributes : mapping of str to (n,) float
         Custom scalars of the vertices.
     label : str
@@ -48,8 +52,20 @@ class Layer:
     face_quality: Floats | None = None
     face_colours: Floats | None = None
     selected: Booleans | None = None
+    face_selected: Booleans | None = None
     attributes: Mapping[str, Floats] = field(default_factory=dict)
     identifier: int = -1
+
+    @property
+    def selection(self) -> Booleans | None:
+        """The selected vertices, or else the corners of the selected faces; None for neither."""
+        if self.selected is not None:
+            return self.selected
+        if self.face_selected is None:
+            return None
+        corners = np.zeros(len(self.points), dtype=np.bool_)
+        corners[self.faces[self.face_selected]] = True
+        return corners
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,11 +8,14 @@ import re
 import numpy as np
 import pytest
 
+from meshlab_symrecon.arrays import as_planes
 from meshlab_symrecon.cli.apply import RESERVED
-from meshlab_symrecon.host.files import load
-from meshlab_symrecon.host.meshset import read_layer
+from meshlab_symrecon.geometry.plane_quads import planes_as_quads
+from meshlab_symrecon.host.files import load, new_document, save_current
+from meshlab_symrecon.host.meshset import add_layer, read_layer
 from meshlab_symrecon.host.native_filters import native_filters
 from meshlab_symrecon.host.registration import registry
+from meshlab_symrecon.plugin import Layer
 
 
 def only_layer(path):
@@ -99,6 +102,27 @@ def test_several_inputs_become_layers(run, statue, tmp_path):
     assert result.exit_code == 0, result.stderr
     measured = only_layer(statue).points
     assert np.array_equal(only_layer(out).points[: len(measured)], measured)
+
+
+def test_a_drawn_plane_is_refined_on_files(run, statue, tmp_path, plane):
+    drawn, refined = tmp_path / "drawn.ply", tmp_path / "refined.ply"
+    tilted = as_planes([np.add(plane, [0.1, 0.0, 0.0, 0.05])])
+    corners, faces = planes_as_quads(tilted, only_layer(statue).points)
+    mesh_set = new_document()
+    add_layer(mesh_set, Layer(corners, faces, "drawn"), current=True)
+    save_current(mesh_set, drawn)
+    asked = ("--refine", "true", "--planes", "0", "--minconfidence", "0")
+    result = run("apply", "detect_reflection_planes", drawn, statue, "-o", refined,
+                 "--json", tmp_path / "r.json", *asked)  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    (found,) = json.loads((tmp_path / "r.json").read_text())["planes"]
+    assert np.allclose(found["plane"], plane, atol=0.01)
+    assert len(only_layer(refined).faces) == 2
+    wrong = run("apply", "detect_reflection_planes", statue, drawn, "-o", tmp_path / "a.ply",
+                "--refine", "true", "--planes", "1")  # fmt: skip
+    assert wrong.exit_code == 1
+    assert "got the planes themselves, layer 1 'drawn.ply'" in " ".join(wrong.stderr.split())
+    assert not (tmp_path / "a.ply").exists()
 
 
 def test_help_shows_every_declared_parameter(run):

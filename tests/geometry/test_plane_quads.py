@@ -52,3 +52,18 @@ def test_what_is_no_plane_is_refused(corners):
     faces = np.array([[0, 1, 2], [0, 2, 3]])[: len(corners) - 2]
     with pytest.raises(GeometryError, match="flat patch"):
         planes_of_pieces(corners, faces)
+
+
+def test_a_corner_that_is_no_number_is_refused():
+    triangle = np.array([[0.0, 0, 1], [1, 0, np.nan], [0, 1, 1]])
+    with pytest.raises(GeometryError, match="points must be finite; got 1 rows"):
+        planes_of_pieces(triangle, np.array([[0, 1, 2]]))
+
+
+def test_pieces_keep_the_order_of_their_first_faces_however_faces_are_mixed():
+    planes = np.column_stack([np.tile([0.0, 0.0, 1.0], (200, 1)), -np.arange(200.0)])
+    corners, faces = planes_as_quads(planes, fibonacci_sphere(50))
+    order = np.random.default_rng(0).permutation(len(faces))
+    first_seen = list(dict.fromkeys((order // 2).tolist()))
+    back = planes_of_pieces(corners, faces[order])
+    np.testing.assert_allclose(back, planes[first_seen], atol=1e-9)

@@ -60,7 +60,7 @@ def test_a_mesh_comes_back_with_what_its_faces_carry():
     assert back.faces.dtype == np.int64
     np.testing.assert_array_equal(back.face_quality, given.face_quality)
     np.testing.assert_array_equal(np.rint(back.face_colours * 255), [[0, 1, 2, 255]] * 4)
-    assert back.colours is back.quality is back.selected is None
+    assert back.colours is back.quality is back.selected is back.face_selected is None
 
 
 def test_every_byte_of_colour_survives():
@@ -79,7 +79,8 @@ def test_a_bare_cloud_has_nothing_but_points(cloud_set, points):
     layer = read_layer(cloud_set, 0)
     np.testing.assert_array_equal(layer.points, points)
     assert layer.faces.shape == (0, 3)
-    for name in ("normals", "colours", "quality", "face_quality", "face_colours", "selected"):
+    for name in ("normals", "colours", "quality", "face_quality", "face_colours", "selected",
+                 "face_selected", "selection"):  # fmt: skip
         assert getattr(layer, name) is None
     assert layer.attributes == {}
     assert (layer.label, layer.identifier) == ("scan", 0)
@@ -88,6 +89,18 @@ def test_a_bare_cloud_has_nothing_but_points(cloud_set, points):
 def test_selection_is_read(cloud_set, points):
     cloud_set.compute_selection_by_condition_per_vertex(condselect="x > 0")
     np.testing.assert_array_equal(read_layer(cloud_set, 0).selected, points[:, 0] > 0)
+
+
+def test_selected_faces_are_read_after_what_was_deleted_before_them():
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    add_layer(mesh_set, Layer(points=TETRAHEDRON, faces=OUTWARD), current=True)
+    mesh_set.compute_selection_by_condition_per_face(condselect="fi == 0")
+    mesh_set.meshing_remove_selected_faces()
+    mesh_set.compute_selection_by_condition_per_face(condselect="fi == 1")
+    layer = read_layer(mesh_set, 0)
+    np.testing.assert_array_equal(layer.faces[layer.face_selected], [[1, 2, 3]])
+    assert layer.selected is None
+    np.testing.assert_array_equal(layer.selection, [False, True, True, True])
 
 
 def test_points_that_are_not_finite_pass():

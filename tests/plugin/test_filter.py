@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from meshlab_symrecon.errors import GeometryError, ParameterError
-from meshlab_symrecon.plugin import Citation
+from meshlab_symrecon.plugin import Citation, Layer
 
 
 def test_a_filter_runs_on_the_current_layer_and_reports_progress(grow_filter, cloud, document):
@@ -129,3 +129,27 @@ def test_citations_as_text():
     paper = Citation("A. Author", "On growth", "Journal", 2001, "10.1/2")
     assert str(paper) == "A. Author (2001). On growth. Journal. doi:10.1/2"
     assert str(replace(paper, identifier="")) == "A. Author (2001). On growth. Journal."
+
+
+@pytest.mark.parametrize(
+    ("selected", "face_selected", "expected"),
+    [
+        (None, None, None),
+        ([0], None, [0]),
+        (None, [1], [1, 2, 3]),
+        (None, [0, 1], [0, 1, 2, 3]),
+        ([4], [1], [4]),
+    ],
+)
+def test_selected_vertices_count_or_else_the_corners_of_selected_faces(
+    selected, face_selected, expected
+):
+    def flags(count, chosen):
+        return None if chosen is None else np.isin(np.arange(count), chosen)
+
+    faces = np.array([[0, 1, 2], [3, 2, 1]])
+    layer = Layer(
+        np.zeros((5, 3)), faces, selected=flags(5, selected), face_selected=flags(2, face_selected)
+    )
+    found = layer.selection
+    assert (None if found is None else np.flatnonzero(found).tolist()) == expected
