@@ -11,8 +11,7 @@ from meshlab_symrecon.symmetry.verification import Evidence, _rules, examine
 
 def evidence_of(points, planes):
     cloud = prepare(points, None, 1_500)
-    planes = np.asarray(planes, dtype=float)
-    planes[:, 3] = (planes[:, 3] + planes[:, :3] @ cloud.centre) / cloud.scale
+    planes = cloud.from_input(np.asarray(planes, dtype=float))
     return examine(planes, cloud, 1_500, 0.006, exact=True)
 
 
@@ -95,7 +94,7 @@ def test_arrays_that_do_not_fit_together_are_refused(statue, change, error):
         "oriented": cloud.oriented.view(np.uint8),
         "border_distance": cloud.border_distance,
         "exact": False,
-        "rules": _rules(0.01, 0.006),
+        "rules": _rules(cloud, 0.006),
     }
     assert _native.examine(**arguments).shape == (1, 4)
     with pytest.raises(error):
