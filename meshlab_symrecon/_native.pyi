@@ -241,6 +241,26 @@ def examine(
     exact: bool,
     rules: EvidenceRules,
 ) -> NDArray[np.float64]: ...
+def landings(
+    planes: NDArray[np.float64],
+    queries: NDArray[np.int32],
+    field: NearestField,
+    normals: NDArray[np.float64],
+    oriented: NDArray[np.uint8],
+    border_distance: NDArray[np.float64],
+    exact: bool,
+    rules: EvidenceRules,
+) -> tuple[
+    NDArray[np.int32],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.uint8],
+]: ...
+def relief(
+    points: NDArray[np.float64], normals: NDArray[np.float64], radius: float
+) -> NDArray[np.float64]: ...
 def refine_planes(
     planes: NDArray[np.float64],
     queries: NDArray[np.int32],

@@ -30,7 +30,7 @@ class HalfEvidence:
 
     rim_share: Floats  # (k,)  share of all rim points that lie on the plane
     beyond: Floats  # (k,)  share of the cloud that lies beyond it
-    crossing: Floats  # (k,)  median |cosine| between the normals of surface and plane where they meet
+    crossing: Floats  # (k,)  median |cosine| between normals of surface and plane where they meet
     thickness: Floats  # (k,)  extent of the cloud across the plane / its smaller one along it
 
 

@@ -44,5 +44,3 @@ def orient(points: Points, normals: Points, hints: Points | None) -> tuple[Point
         along = -np.einsum("mi,mi->m", centroids - points, normals)
         clear = np.abs(along) > CLEAR * RADIUS
     return normals * np.where(along < 0.0, -1.0, 1.0)[:, np.newaxis], clear
-
-

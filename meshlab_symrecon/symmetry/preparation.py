@@ -97,9 +97,10 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
     PreparedCloud
         The same for any order of the points, up to rounding for any position and size.
     """
-    frame = _frame(points)
     order = canonical_order(points)
-    framed = (points[order] - frame.centre) @ frame.axes.T / frame.unit
+    points = points[order]
+    frame = _frame(points)
+    framed = (points - frame.centre) @ frame.axes.T / frame.unit
     sides = None if normals is None else normals[order] @ frame.axes.T
     dense, sides = without_clutter(framed, sides)
     shift, size = dense.mean(axis=0), robust_diagonal(dense)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshlab_symrecon.arrays import Booleans, Floats, Planes
-from meshlab_symrecon.geometry.planes import plane_angles
 from meshlab_symrecon.symmetry.preparation import PreparedCloud
 from meshlab_symrecon.symmetry.verification import examine, land
 
@@ -130,12 +129,6 @@ def meridians(axis: Axis, cloud: PreparedCloud, tolerance: float) -> Meridians |
     possible = (landings.weights * (off * fit)).sum(axis=1)
     matched = (landings.weights * landings.worth) @ off
     return Meridians(planes, matched / np.maximum(possible, 1.0), float(off.mean()))
-
-
-def rivals(found: Meridians, row: int, apart: float) -> Floats:
-    """Return the handle matches of the meridians at least an angle apart from one."""
-    others: Floats = found.handle[plane_angles(found.planes, found.planes[row]) > apart]
-    return others
 
 
 def _common_line(planes: Planes) -> Axis:

@@ -44,7 +44,6 @@ class Evidence:
             self.residual[rows],
         )
 
-
     def joined(self, other: Evidence) -> Evidence:
         """Return this evidence and another one's after it."""
         return Evidence(
@@ -125,20 +124,26 @@ def land(planes: Planes, cloud: PreparedCloud, queries: Indices, tolerance: floa
     Landings
         Rows in the order of the planes.
     """
-    partners, weights, distances, cosines, worth, excused = (
-        column.reshape(len(planes), len(queries))
-        for column in _native.landings(
-            np.ascontiguousarray(planes),
-            queries.astype(np.int32),
-            cloud.field,
-            cloud.normals,
-            cloud.oriented.view(np.uint8),
-            cloud.border_distance,
-            True,
-            _rules(cloud, tolerance),
-        )
+    partners, weights, distances, cosines, worth, excuses = _native.landings(
+        np.ascontiguousarray(planes),
+        queries.astype(np.int32),
+        cloud.field,
+        cloud.normals,
+        cloud.oriented.view(np.uint8),
+        cloud.border_distance,
+        True,
+        _rules(cloud, tolerance),
     )
-    return Landings(partners, weights, distances, cosines, worth, excused == HOLE, excused == BROKEN_OFF)
+    shape = (len(planes), len(queries))
+    return Landings(
+        partners=partners.reshape(shape).astype(np.int64),
+        weights=weights.reshape(shape),
+        distances=distances.reshape(shape),
+        cosines=cosines.reshape(shape),
+        worth=worth.reshape(shape),
+        excused=excuses.reshape(shape) == HOLE,
+        broken_off=excuses.reshape(shape) == BROKEN_OFF,
+    )
 
 
 def _rules(cloud: PreparedCloud, tolerance: float) -> _native.EvidenceRules:

@@ -97,7 +97,7 @@ def some_planes(statue):
     """Planes of the prepared statue: the true one, some near it, and any others."""
     rng = np.random.default_rng(8)
     cloud = prepare(statue, None, 100)
-    true = np.array([1.0, 0.0, 0.0, cloud.centre[0] / cloud.scale])
+    true = cloud.from_input(np.array([[1.0, 0.0, 0.0, 0.0]]))[0]
     planes = np.vstack([true + rng.normal(0, 0.03, (30, 4)), rng.normal(0, 1, (30, 4)), true])
     planes[:, 3] = np.clip(planes[:, 3], -0.2, 0.2)
     planes[:, :3] /= np.linalg.norm(planes[:, :3], axis=1, keepdims=True)

@@ -11,7 +11,28 @@ TINY = float(np.finfo(np.float64).tiny)
 
 def examined(planes, cloud, count, nearest, tolerance):
     """Support, agreement, contradiction and residual, four arrays (k,)."""
-    queries = cloud.samples[:count]
+    landed = landings(planes, cloud, cloud.samples[:count], nearest, tolerance)
+    weights, distances = landed["weights"], landed["distances"]
+    blamed = ~(landed["excused"] | landed["broken_off"])
+    far = (
+        (distances > max(verification.FAR, verification.FAR_SPACINGS * cloud.spacing))
+        & (distances < verification.BEYOND)
+        & ~landed["rim_near"]
+        & ~landed["missing"]
+    )
+    total = np.maximum(weights.sum(axis=1), TINY)
+    worth = weights * landed["worth"]
+    matched = worth.sum(axis=1)
+    return (
+        matched / total,
+        (worth * blamed).sum(axis=1) / np.maximum((weights * blamed).sum(axis=1), TINY),
+        (weights * far) @ cloud.distinctness[:count] / total,
+        np.sqrt((worth * landed["off_squares"]).sum(axis=1) / np.maximum(matched, TINY)),
+    )
+
+
+def landings(planes, cloud, queries, nearest, tolerance):
+    """Where the mirror images fall: arrays (k, q) by the names of `verification.Landings`."""
     points, directions = cloud.points[queries], cloud.normals[queries]
     normals = planes[:, :3]
     heights = normals @ points.T + planes[:, 3:]
@@ -20,45 +41,39 @@ def examined(planes, cloud, count, nearest, tolerance):
     gaps = mirrored - cloud.points[partners]
     distances = np.sqrt(np.einsum("kqi,kqi->kq", gaps, gaps))
     partner_normals = cloud.normals[partners]
-    agreement = np.einsum("kqi,qi->kq", partner_normals, directions)
+    cosines = np.einsum("kqi,qi->kq", partner_normals, directions)
     along = np.einsum("kqi,ki->kq", partner_normals, normals)
-    agreement = agreement - 2.0 * along * (normals @ directions.T)
+    cosines = cosines - 2.0 * along * (normals @ directions.T)
     signed = cloud.oriented[queries] & cloud.oriented[partners]
-    agreement = np.where(signed, agreement, np.abs(agreement))
+    cosines = np.where(signed, cosines, np.abs(cosines))
     off_squares = np.einsum("kqi,kqi->kq", gaps, partner_normals) ** 2
     sideways = np.maximum(distances**2 - off_squares, 0.0)
     none, full = verification.DIRECTION_RAMP
     tolerance = max(tolerance, verification.TOLERANCE_SPACINGS * cloud.spacing)
-    matches = np.exp(-0.5 * off_squares / tolerance**2)
-    matches *= np.clip((agreement - none) / (full - none), 0.0, 1.0)
+    worth = np.exp(-0.5 * off_squares / tolerance**2)
+    worth *= np.clip((cosines - none) / (full - none), 0.0, 1.0)
     reach = np.clip(
         verification.SIDEWAYS * cloud.spacing,
         verification.LEAST_SIDEWAYS,
         verification.MOST_SIDEWAYS,
     )
-    matches[sideways > reach**2] = 0.0
-    weights = np.minimum(1.0, np.abs(heights) / verification.NEAR_PLANE)
+    worth[sideways > reach**2] = 0.0
+    missing = mirrored @ cloud.broken_off[:3] + cloud.broken_off[3] < 0.0
     rim_near = cloud.border_distance[partners] <= verification.RIM_REACH * distances
-    far = (
-        (distances > max(verification.FAR, verification.FAR_SPACINGS * cloud.spacing))
-        & (distances < verification.BEYOND)
-        & ~rim_near
-    )
-    excused = (
-        rim_near
-        & (distances > verification.LEAST_GAP * cloud.spacing)
-        & (matches < verification.NO_MATCH)
-    )
-    total = np.maximum(weights.sum(axis=1), TINY)
-    judged = (weights * ~excused).sum(axis=1)
-    worth = weights * matches
-    matched = worth.sum(axis=1)
-    return (
-        matched / total,
-        (worth * ~excused).sum(axis=1) / np.maximum(judged, TINY),
-        (weights * far) @ cloud.distinctness[:count] / total,
-        np.sqrt((worth * off_squares).sum(axis=1) / np.maximum(matched, TINY)),
-    )
+    unmatched = worth < verification.NO_MATCH
+    hole = rim_near & (distances > verification.LEAST_GAP * cloud.spacing)
+    return {
+        "partners": partners,
+        "weights": np.minimum(1.0, np.abs(heights) / verification.NEAR_PLANE),
+        "distances": distances,
+        "cosines": cosines,
+        "worth": worth,
+        "excused": unmatched & hole & ~missing,
+        "broken_off": unmatched & missing,
+        "off_squares": off_squares,
+        "rim_near": rim_near,
+        "missing": missing,
+    }
 
 
 def refined(planes, queries, cloud, nearest, schedule):

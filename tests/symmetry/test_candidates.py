@@ -19,10 +19,10 @@ def test_the_plane_of_a_pair_maps_one_point_onto_the_other():
 def test_votes_crowd_around_the_true_plane(statue):
     cloud = prepare(statue, None, 1_000)
     candidates = vote(cloud, 1_000, 16_000, np.random.default_rng(0))
-    true = np.array([1.0, 0.0, 0.0, cloud.centre[0] / cloud.scale])
-    signs = np.sign(candidates.planes[:, 0])
-    close = (np.abs(candidates.planes[:, 0]) > np.cos(np.radians(5.0))) & (
-        np.abs(signs * candidates.planes[:, 3] - true[3]) < 0.02
+    true = cloud.from_input(np.array([[1.0, 0.0, 0.0, 0.0]]))[0]
+    cosines = candidates.planes[:, :3] @ true[:3]
+    close = (np.abs(cosines) > np.cos(np.radians(5.0))) & (
+        np.abs(np.sign(cosines) * candidates.planes[:, 3] - true[3]) < 0.02
     )
     # A ball of 5 degrees is 0.4 % of all directions, the offsets 4 % of their range.
     assert close.mean() > 20 * 0.004 * 0.04

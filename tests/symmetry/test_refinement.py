@@ -3,34 +3,12 @@ import dataclasses
 import numpy as np
 import pytest
 from symmetry import numpy_loops
+from symmetry.bodies import as_prepared, symmetric_cloud
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.geometry.neighbours import nearest_field
-from meshlab_symrecon.geometry.planes import reflect, reflect_directions
 from meshlab_symrecon.symmetry.preparation import prepare
 from meshlab_symrecon.symmetry.refinement import Schedule, _rules, refine_planes
-
-
-def symmetric_cloud(seed=0):
-    """Samples of a bumpy ellipsoid with normals, each with its exact mirror partner."""
-    rng = np.random.default_rng(seed)
-    normal = rng.normal(size=3)
-    plane = np.append(normal / np.linalg.norm(normal), 0.03)
-    directions = rng.normal(size=(1_500, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    shape = np.array([0.5, 0.35, 0.25])
-    points = directions * shape
-    normals = directions / shape
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    points = np.vstack([points, reflect(points, plane)])
-    return points, np.vstack([normals, reflect_directions(normals, plane)]), plane
-
-
-def prepared(points, normals):
-    """The cloud as it is: even already, and where it should be."""
-    cloud = prepare(points, normals, 1)
-    field = nearest_field(points, 0.02, 0.1, 10**6)
-    return dataclasses.replace(cloud, points=points, normals=normals, field=field)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -41,7 +19,7 @@ def test_a_perturbed_plane_of_an_exactly_symmetric_cloud_is_recovered(seed):
     starts[:, :3] += rng.normal(0, 0.02, size=(5, 3))
     starts[:, 3] += rng.normal(0, 0.005, size=5)
     starts /= np.linalg.norm(starts[:, :3], axis=1, keepdims=True)
-    cloud = prepared(points, normals)
+    cloud = as_prepared(points, normals)
     schedule = Schedule(40, 0.04, 0.003)
     found = refine_planes(starts, np.arange(len(points)), cloud, schedule, exact=True)
     assert np.abs(starts - plane).max() > 1e-3
@@ -50,7 +28,7 @@ def test_a_perturbed_plane_of_an_exactly_symmetric_cloud_is_recovered(seed):
 
 @pytest.mark.parametrize("exact", [False, True])
 def test_a_plane_without_partners_stays(exact):
-    cloud = prepared(*symmetric_cloud()[:2])
+    cloud = as_prepared(*symmetric_cloud()[:2])
     far = np.array([[1.0, 0.0, 0.0, -50.0], [0.6, 0.0, 0.8, 7.0]])
     found = refine_planes(far, np.arange(3_000), cloud, Schedule(5, 0.04, 0.01), exact=exact)
     assert np.array_equal(found, far)
