@@ -73,6 +73,9 @@ def vote(cloud: PreparedCloud, count: int, most: int, rng: np.random.Generator) 
         NORMAL_TOLERANCE,
     )
     if len(pairs) > most:
-        pairs = pairs[np.sort(rng.choice(len(pairs), most, replace=False))]
+        # Each pair draws its own lot, so that a pair more or less changes no other one's fate.
+        lots = rng.random((2, len(samples)))
+        drawn = (lots[0, pairs[:, 0]] + lots[1, pairs[:, 1]]) % 1.0
+        pairs = pairs[np.sort(np.argpartition(drawn, most)[:most])]
     first, second = pairs.T
     return Candidates(pair_planes(points[first], points[second]))

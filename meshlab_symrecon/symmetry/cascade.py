@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshlab_symrecon.arrays import Planes
+from meshlab_symrecon.arrays import Floats, Planes
 from meshlab_symrecon.geometry.neighbours import tangent_bases
 from meshlab_symrecon.geometry.planes import distinct_planes
 from meshlab_symrecon.symmetry.preparation import PreparedCloud
@@ -14,7 +14,7 @@ from meshlab_symrecon.symmetry.refinement import Schedule, refine_planes
 from meshlab_symrecon.symmetry.traits import merit
 from meshlab_symrecon.symmetry.verification import Evidence, examine
 
-__all__ = ["KEPT", "QUERIES", "TOLERANCE", "refine_and_verify", "refine_drawn", "refine_nearby"]
+__all__ = ["KEPT", "QUERIES", "TOLERANCE", "refine_and_verify", "refine_drawn", "refine_nearby", "settle"]
 
 # Lengths are in diagonals of the prepared cloud.
 TOLERANCE = 0.006  # of a match in verification
@@ -23,6 +23,7 @@ BROADEST = 0.025  # and never more than this
 QUERIES = 2_500
 KEPT = 32  # planes at the end
 SAME = (np.radians(3.0), 0.02)  # angle and offset of planes that nearly repeat each other
+SETTLING = 40  # most steps until refined planes stay
 RESTARTED = 8  # best planes that are started again
 TILT, SHIFT = np.radians(4.0), 0.015  # from here and there beside them
 
@@ -116,6 +117,28 @@ def refine_nearby(cloud: PreparedCloud, planes: Planes) -> Planes:
     """
     last = max(FINAL.last, cloud.spacing)
     schedule = Schedule(FINAL.steps, max(FINAL.first, last), last)
+    return refine_planes(planes, cloud.samples, cloud, schedule, exact=True)
+
+
+def settle(cloud: PreparedCloud, planes: Planes, residuals: Floats) -> Planes:
+    """Refine planes at the last tolerance until they stay.
+
+    Parameters
+    ----------
+    cloud : PreparedCloud
+        The cloud.
+    planes : (k, 4) float
+        Refined planes, in its coordinates.
+    residuals : (k,) float
+        Their residuals.
+
+    Returns
+    -------
+    (k, 4) float
+        In the same order.
+    """
+    last = np.clip(FINAL.breadth * residuals, max(FINAL.last, cloud.spacing), BROADEST)
+    schedule = Schedule(SETTLING, last, last)
     return refine_planes(planes, cloud.samples, cloud, schedule, exact=True)
 
 

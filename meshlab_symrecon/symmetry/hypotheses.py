@@ -13,6 +13,7 @@ from meshlab_symrecon.symmetry.cascade import (
     refine_and_verify,
     refine_drawn,
     refine_nearby,
+    settle,
 )
 from meshlab_symrecon.symmetry.confidence import (
     confidence,
@@ -30,6 +31,7 @@ __all__ = ["Hypotheses", "judge", "judge_drawn"]
 VARIANT = (np.radians(8.0), 0.06)  # angle and offset of two planes of which at most one is true
 FINE_SHARE = 6.0  # of fine agreement in the choice between variants
 CHANCE_STEPS = 10  # chances in the same step are equal
+LEAST_SUPPORT = 0.1  # the rim of a half says more than what little matches
 MOST_LIKELY = 6  # planes whose images across each other are tried
 LIKELY = 0.3  # chance of a plane that others must not contradict
 AGREEMENT_LOST = 0.2  # by the mirror image of a plane across another one
@@ -76,7 +78,17 @@ def judge(cloud: PreparedCloud, starts: Planes) -> Hypotheses:
         joined = evidence.joined(examine(group, cloud, len(cloud.samples), TOLERANCE, exact=True))
         found = _judged(cloud, np.concatenate([planes, group]), joined)
     found = _best_first(_with_halves(cloud, _with_meridians(cloud, found)))
-    return _best_first(_consistent(cloud, found.take(_not_parallel(found.planes))))
+    found = _best_first(_consistent(cloud, found.take(_not_parallel(found.planes))))
+    return _polished(cloud, found)
+
+
+def _polished(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
+    """Let the likely planes settle, so that they do not depend on where the search began."""
+    likely = np.flatnonzero((found.chances >= LIKELY) & (found.evidence.support >= LEAST_SUPPORT))
+    planes = found.planes.copy()
+    planes[likely] = settle(cloud, planes[likely], found.evidence.residual[likely])
+    evidence = examine(planes, cloud, len(cloud.samples), TOLERANCE, exact=True)
+    return Hypotheses(planes, evidence, found.chances)
 
 
 def _judged(cloud: PreparedCloud, planes: Planes, evidence: Evidence) -> Hypotheses:

@@ -102,6 +102,8 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
     frame = _frame(points)
     framed = (points - frame.centre) @ frame.axes.T / frame.unit
     sides = None if normals is None else normals[order] @ frame.axes.T
+    turned = canonical_order(framed)  # the order follows motions, too
+    framed, sides = framed[turned], None if sides is None else sides[turned]
     dense, sides = without_clutter(framed, sides)
     shift, size = dense.mean(axis=0), robust_diagonal(dense)
     dense = (dense - shift) / size
