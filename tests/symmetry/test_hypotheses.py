@@ -98,11 +98,20 @@ def test_drawn_planes_come_back_in_their_order_with_their_chances(statue):
     assert found.evidence.support[1] == found.evidence.support.max()
 
 
-def test_a_drawn_plane_of_a_half_is_as_likely_as_the_one_that_is_found(shapes):
-    whole = shapes.blob(12_000, 3, mirrored=True)
+@pytest.mark.parametrize("seed", [3, 7])
+def test_a_plane_drawn_at_the_cut_of_a_half_goes_to_its_rim_and_others_do_not(shapes, seed):
+    whole = shapes.blob(12_000, seed, mirrored=True)
     cloud, starts = searched(whole[whole[:, 0] > 0.0])
-    found = judge_drawn(cloud, starts, cloud.from_input(MIDDLE))
-    assert found.chances[0] > 0.5
+    true = cloud.from_input(MIDDLE)[0]
+    tilted = true + 0.1 * np.append(np.cross(true[:3], [0.3, 0.5, 0.8]), 0.3)
+    away = cloud.from_input(np.array([[0.0, 1.0, 0.0, 0.0]]))[0]
+    drawn = np.stack([true, away, -tilted / np.linalg.norm(tilted[:3])])
+    found = judge_drawn(cloud, starts, drawn)
+    for row in (0, 2):
+        assert_plane(found.planes[row], true, 0.5, 0.005)
+        assert found.chances[row] > 0.5
+    assert plane_angles(found.planes[1:2], true)[0] > np.radians(20.0)
+    assert found.chances[1] < found.chances[0]
 
 
 def test_no_drawn_planes_are_none(statue):
