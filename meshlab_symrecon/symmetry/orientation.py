@@ -29,7 +29,7 @@ def orient(points: Points, normals: Points, hints: Points | None) -> tuple[Point
     normals : (m, 3) float
         The normals, some of them turned.
     oriented : (m,) bool
-        Where the side is known.
+        Where the side is known; elsewhere the sign means nothing.
     """
     if hints is not None:
         along = np.einsum("mi,mi->m", normals, hints)
