@@ -132,10 +132,9 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
 
 
 def _looked_at(source: Layer, only_selected: bool) -> tuple[Points, Points | None]:
-    """Return the points that count, and the outward normals of those of a surface."""
+    """Return the points that count, and their normals."""
     points = as_points(source.points)  # all of them: the rectangles span their box
-    # Normals of a surface tell inside from outside; those of a cloud may have guessed it.
-    normals = source.normals if len(source.faces) else None
+    normals = source.normals
     if not only_selected:
         return points, normals
     chosen = source.selection

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "vectors.hpp"
 
@@ -18,7 +17,7 @@ class BallGrid {
     for (int axis = 0; axis < 3; ++axis) {
       double high = low_[axis];
       for (const Position& point : points) high = std::max(high, point[axis]);
-      counts_[axis] = std::min<std::int64_t>(kMostCells, std::int64_t((high - low_[axis]) / edge_) + 1);
+      counts_[axis] = std::int64_t(std::min((high - low_[axis]) / edge_, kMostCells - 1.0)) + 1;
     }
     starts_.assign(std::size_t(counts_[0] * counts_[1] * counts_[2]) + 1, 0);
     for (const Position& point : points) ++starts_[key(cell(point)) + 1];
@@ -47,7 +46,7 @@ class BallGrid {
   }
 
  private:
-  static constexpr std::int64_t kMostCells = 128;  // on a side: bounds the memory of a tiny radius
+  static constexpr double kMostCells = 128.0;  // on a side: bounds the memory of a tiny radius
 
   static Position lowest(View<Position> points) {
     Position low = points.size() ? points[0] : Position{};
@@ -59,7 +58,7 @@ class BallGrid {
   std::array<std::int64_t, 3> cell(const Position& place) const {
     std::array<std::int64_t, 3> found;
     for (int axis = 0; axis < 3; ++axis)
-      found[axis] = std::clamp<std::int64_t>(std::int64_t((place[axis] - low_[axis]) / edge_), 0, counts_[axis] - 1);
+      found[axis] = std::int64_t(std::min((place[axis] - low_[axis]) / edge_, counts_[axis] - 1.0));
     return found;
   }
 

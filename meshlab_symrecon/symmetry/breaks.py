@@ -21,7 +21,7 @@ NOT_BROKEN = np.array([0.0, 0.0, 0.0, 1.0])  # everything lies above this plane
 
 
 def rim_reach(spacing: float) -> float:
-    """Return the distance from a plane within which rim points are on it."""
+    """Return the distance from a plane within which rim points are on it, in diagonals."""
     return max(RIM_SPACINGS * spacing, LEAST_RIM)
 
 
@@ -41,12 +41,13 @@ def rim_plane(points: Points, rim: Booleans, spacing: float) -> Floats | None:
     rim : (m,) bool
         Its points on rims.
     spacing : float
-        Of its points.
+        Of its points, in diagonals.
 
     Returns
     -------
     (4,) float or None
-        The plane with most rim points on it, its normal towards the cloud; None with fewer than 30.
+        The plane with most rim points on it, its normal towards the cloud; None with fewer than
+        30 rim points, or when they lie on one line.
     """
     rims = points[rim]
     if len(rims) < FEWEST_RIM:
@@ -74,6 +75,8 @@ def rim_plane(points: Points, rim: Booleans, spacing: float) -> Floats | None:
 
 def broken_off(points: Points, rim: Booleans, plane: Floats | None, spacing: float) -> Floats:
     """Tell where a cloud is known to end.
+
+    A break is ragged: the plane lies where it begins, two spacings inside the cloud.
 
     Parameters
     ----------

@@ -33,8 +33,7 @@ __all__ = [
 
 Progress: TypeAlias = Callable[[float, str], None]
 
-MOST_CANDIDATES = 30_000
-
+MOST_CANDIDATES = 30_000  # votes that are clustered
 
 LIMITS: dict[str, tuple[int, int]] = {
     "max_planes": (1, KEPT),
@@ -82,7 +81,7 @@ class ReflectionPlanes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verified:
-    """All planes that came through the cascade, best first, in the coordinates of the input."""
+    """All planes that may be reported, the likeliest first, in the coordinates of the input."""
 
     planes: Planes  # (k, 4)
     evidence: Evidence
@@ -110,7 +109,8 @@ def detect_reflection_planes(
     points : (n, 3) float
         The scan; at least 5 points, not in one plane.
     normals : (n, 3) float, optional
-        Outward normals. Directions are fitted anew; these tell the outside from the inside.
+        Normals. Directions are fitted anew; these tell the outside from the inside, unless they
+        contradict the shape in many places.
     options : DetectionOptions, optional
         What to look for.
     rng : numpy.random.Generator, optional
@@ -121,7 +121,7 @@ def detect_reflection_planes(
     Returns
     -------
     ReflectionPlanes
-        Best first; ``planes`` has shape (0, 4) when there is no symmetry.
+        The likeliest first; ``planes`` has shape (0, 4) when there is no symmetry.
 
     Raises
     ------
@@ -198,7 +198,25 @@ def verified_planes(
     rng: np.random.Generator | None = None,
     progress: Progress | None = None,
 ) -> Verified:
-    """Return the best planes whatever their confidence; `detect_reflection_planes` judges them."""
+    """Return the best planes whatever their confidence, for studies of the detector.
+
+    Parameters
+    ----------
+    points, normals, rng, progress
+        As for `detect_reflection_planes`, which chooses among these planes.
+    options : DetectionOptions
+        Only its ``sample_count`` matters.
+
+    Returns
+    -------
+    Verified
+        Planes that differ, the likeliest first.
+
+    Raises
+    ------
+    GeometryError
+        As for `detect_reflection_planes`.
+    """
     cloud, exemplars, converged = _search(points, normals, options, rng, progress)
     found = judge(cloud, exemplars)
     _report_end(progress, len(found.planes))

@@ -29,6 +29,7 @@ from meshlab_symrecon.symmetry.verification import Evidence, examine
 __all__ = ["Hypotheses", "judge", "judge_drawn"]
 
 VARIANT = (np.radians(8.0), 0.06)  # angle and offset of two planes of which at most one is true
+DRAWN = (np.radians(12.0), 0.06)  # and of a plane from where somebody has drawn it
 FINE_SHARE = 6.0  # of fine agreement in the choice between variants
 CHANCE_STEPS = 10  # chances in the same step are equal
 LEAST_SUPPORT = 0.1  # the rim of a half says more than what little matches
@@ -140,9 +141,25 @@ def judge_drawn(cloud: PreparedCloud, starts: Planes, drawn: Planes) -> Hypothes
     measured = traits(everything, evidence, cloud, TOLERANCE)
     chances = confidence(measured, evidence, len(cloud.samples), broken=cloud.broken)
     chances = chances[: len(planes)]
-    halves = half_confidence(examine_halves(planes, cloud))
     rows = np.arange(len(planes))
-    return Hypotheses(planes, evidence.take(rows), np.maximum(chances, halves))
+    return _at_rims(cloud, drawn, Hypotheses(planes, evidence.take(rows), chances))
+
+
+def _at_rims(cloud: PreparedCloud, drawn: Planes, found: Hypotheses) -> Hypotheses:
+    """Put planes that were drawn where the cloud ends on its rim, if that is likelier.
+
+    Half of something has no mirror partners that could hold a plane where it belongs.
+    """
+    planes, chances = found.planes.copy(), found.chances.copy()
+    for rim in rim_planes(cloud):
+        chance = half_confidence(examine_halves(rim[np.newaxis], cloud))[0]
+        signs = np.where(drawn[:, :3] @ rim[:3] < 0.0, -1.0, 1.0)
+        meant = plane_angles(drawn, rim) < DRAWN[0]
+        meant &= np.abs(signs * drawn[:, 3] - rim[3]) < DRAWN[1]
+        meant &= chance > chances
+        planes[meant], chances[meant] = rim, chance
+    evidence = examine(planes, cloud, len(cloud.samples), TOLERANCE, exact=True)
+    return Hypotheses(planes, evidence, chances)
 
 
 def _best_first(found: Hypotheses) -> Hypotheses:

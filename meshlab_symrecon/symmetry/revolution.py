@@ -49,7 +49,7 @@ def revolution_axis(planes: Planes, agreement: Floats) -> Axis | None:
     Parameters
     ----------
     planes : (k, 4) float
-        Verified planes.
+        Verified planes, in the coordinates of the prepared cloud.
     agreement : (k,) float
         Their agreement.
 
@@ -82,11 +82,14 @@ def on_axis(planes: Planes, axis: Axis) -> Booleans:
     Parameters
     ----------
     planes : (k, 4) float
+        Unit normals and offsets, in the coordinates of the axis.
     axis : Axis
+        The axis.
 
     Returns
     -------
     (k,) bool
+        True up to a tilt of 5 degrees and a distance of 0.02 diagonals.
     """
     tilt = np.abs(planes[:, :3] @ axis.direction)
     apart = np.abs(planes[:, :3] @ axis.point + planes[:, 3])

@@ -57,7 +57,7 @@ TINY = float(np.finfo(np.float64).tiny)
 
 
 def merit(evidence: Evidence) -> Floats:
-    """Return the merit by which planes are ordered before their confidence is known."""
+    """Return the merit (k,) by which planes are ordered before their confidence is known."""
     ordering: Floats = 6.0 * evidence.agreement + 3.0 * np.log(evidence.support + NONE)
     return ordering
 
@@ -68,10 +68,12 @@ def whole_symmetry(evidence: Evidence) -> Booleans:
     Parameters
     ----------
     evidence : Evidence
+        Of k planes.
 
     Returns
     -------
     (k,) bool
+        True where agreement is high, support sufficient and contradiction next to none.
     """
     whole: Booleans = (
         (evidence.agreement >= WHOLE_AGREEMENT)

@@ -2,94 +2,139 @@ import numpy as np
 import pytest
 
 from meshlab_symrecon.symmetry.confidence import (
+    CLEAR_AGREEMENT,
+    ENOUGH_SAMPLES,
+    ENOUGH_UNCLEAR,
+    LEAST_RIM_SHARE,
+    MOST_BEYOND,
+    RIVAL,
+    THICKEST,
+    WEIGHTS,
     believable,
     confidence,
-    family_sizes,
-    merit,
-    whole_symmetry,
+    half_confidence,
+    meridian_confidence,
 )
+from meshlab_symrecon.symmetry.open_halves import HalfEvidence
+from meshlab_symrecon.symmetry.traits import TRAITS
 from meshlab_symrecon.symmetry.verification import Evidence
 
-
-def evidence(support, agreement, contradiction=0.0, residual=0.002):
-    support = np.asarray(support, dtype=float)
-    return Evidence(
-        support,
-        np.asarray(agreement, dtype=float),
-        np.broadcast_to(np.asarray(contradiction, dtype=float), support.shape),
-        np.broadcast_to(np.asarray(residual, dtype=float), support.shape),
-    )
+MANY = 10_000
 
 
-def through_axis(degrees):
-    turn = np.radians(degrees)
-    zero = np.zeros_like(turn)
-    return np.stack([np.cos(turn), np.sin(turn), zero, zero], axis=1)
+def evidence(agreement):
+    rest = np.full(len(agreement), 0.01)
+    return Evidence(rest, np.asarray(agreement, dtype=float), rest, rest)
 
 
-def chances(found, count=2500, sizes=None):
-    sizes = np.ones(len(found.support)) if sizes is None else np.asarray(sizes, dtype=float)
-    return confidence(found, sizes, 0.001, count)
+def chances(rows, count=MANY, agreement=None):
+    agreement = np.ones(len(rows)) if agreement is None else agreement
+    return confidence(np.asarray(rows, dtype=float), evidence(agreement), count)
 
 
-def test_confidence_rises_with_support_and_falls_with_contradiction_and_family():
-    def chance(sizes=None, **kwargs):
-        return chances(evidence(**{"support": [0.3], "agreement": [0.7], **kwargs}), sizes=sizes)
-
-    assert chance(support=[0.35]) > chance()
-    assert chance(contradiction=0.01) < chance()
-    assert chance(sizes=[2]) < chance()
-    assert 0.0 < chance()[0] < 1.0
+def halves(rim_share=0.9, beyond=0.0, crossing=0.0, thickness=0.5):
+    columns = np.broadcast_arrays(*np.atleast_1d(rim_share, beyond, crossing, thickness))
+    return HalfEvidence(*(np.asarray(column, dtype=float) for column in columns))
 
 
-def test_a_plane_that_leads_the_others_is_more_likely():
-    alone = chances(evidence([0.3, 0.05, 0.05], [0.7, 0.3, 0.3]))[0]
-    crowded = chances(evidence([0.3, 0.29, 0.29], [0.7, 0.7, 0.7]))[0]
-    assert alone > crowded
+def test_every_trait_has_its_weight():
+    assert set(WEIGHTS) == set(TRAITS)
 
 
-def test_a_symmetric_body_may_have_only_true_planes():
-    three = chances(evidence([0.95] * 3, [0.96] * 3))
-    assert (three > 0.9).all()
-    many = chances(evidence([0.95] * 30, [0.96] * 30))  # a ball
-    assert np.allclose(many, three[0])
-    crowd = chances(evidence([0.95] * 30, [0.96] * 30, contradiction=0.01))  # nearly a ball
-    assert (crowd < 0.5).all()
+@pytest.mark.parametrize("name", TRAITS)
+def test_confidence_is_monotone_in_every_trait(name):
+    rows = np.zeros((50, len(TRAITS)))
+    rows[:, TRAITS.index(name)] = np.linspace(-3.0, 3.0, 50)
+    found = chances(rows)
+    assert ((found > 0.0) & (found < 1.0)).all()
+    assert (np.sign(np.diff(found)) == np.sign(WEIGHTS[name])).all()
 
 
-def test_planes_that_something_contradicts_stay_rivals():
-    whole = evidence([0.6] * 9, [0.95, *[0.7] * 8], contradiction=[0.0, *[0.01] * 8])
-    lone = evidence([0.6], [0.7], contradiction=[0.01])
-    assert chances(whole)[1] < chances(lone)[0]
-    assert chances(whole)[0] > chances(lone)[0]
-    assert list(whole_symmetry(whole)) == [True, *[False] * 8]
-    assert not whole_symmetry(evidence([0.3], [0.95]))[0]
+@pytest.mark.parametrize("name", ["cleanness", "worst regions", "lead", "coarse relief"])
+def test_what_speaks_for_a_plane_never_lowers_confidence(name):
+    assert WEIGHTS[name] >= 0.0
 
 
-def test_few_samples_earn_confidence_in_proportion():
-    clear = evidence([0.6, 0.1], [0.9, 0.9])
-    assert np.allclose(chances(clear, 25), 0.25 * chances(clear), rtol=1e-12)
-    unclear = evidence([0.6, 0.1], [0.8, 0.2])
-    assert np.allclose(chances(unclear, 375), 0.25 * chances(unclear), rtol=1e-12)
+@pytest.mark.parametrize("name", ["residual", "near misses", "excused"])
+def test_what_speaks_against_a_plane_never_raises_confidence(name):
+    assert WEIGHTS[name] <= 0.0
+
+
+def test_the_odds_are_multiplied_trait_by_trait():
+    rng = np.random.default_rng(0)
+    rows = rng.normal(0.0, 0.3, (2, len(TRAITS)))
+    together = chances([rows[0], rows[1], rows.sum(axis=0), np.zeros(len(TRAITS))])
+    one, other, both, none = together / (1.0 - together)
+    assert both * none == pytest.approx(one * other, rel=1e-9)
+
+
+def test_confidence_does_not_overflow():
+    found = chances(np.outer([-1e9, 1e9], list(WEIGHTS.values())))
+    assert found[0] == pytest.approx(0.0, abs=1e-15)
+    assert found[1] == pytest.approx(1.0, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("agreement", "enough"),
+    [(CLEAR_AGREEMENT, ENOUGH_SAMPLES), (CLEAR_AGREEMENT - 0.01, ENOUGH_UNCLEAR)],
+)
+def test_few_samples_earn_confidence_in_proportion(agreement, enough):
+    rows = np.zeros((1, len(TRAITS)))
+    full = chances(rows, enough, [agreement])
+    assert np.array_equal(chances(rows, 10 * enough, [agreement]), full)
+    assert np.allclose(chances(rows, enough // 4, [agreement]), 0.25 * full, rtol=1e-12)
 
 
 def test_no_planes_have_no_confidence():
-    none = evidence([], [])
-    assert chances(none).shape == (0,)
-    assert merit(none).shape == (0,)
-    assert believable(none, np.zeros(0), 0.5).shape == (0,)
+    assert chances(np.zeros((0, len(TRAITS)))).shape == (0,)
+    assert half_confidence(halves(*np.zeros((4, 0)))).shape == (0,)
+    assert meridian_confidence(np.zeros(0), 0.0).shape == (0,)
+    assert believable(np.zeros(0), np.zeros(0), 0.5).shape == (0,)
 
 
-def test_planes_of_a_nearly_round_body_are_a_family_and_lone_planes_are_not():
-    planes = through_axis([0.0, 10.0, 20.0, 90.0])
-    nearly = evidence([0.6] * 4, [0.85] * 4)
-    assert np.array_equal(family_sizes(planes, nearly), [2, 3, 2, 1])
-    perfectly = evidence([0.6] * 4, [0.99] * 4)
-    assert np.array_equal(family_sizes(planes, perfectly), [1, 1, 1, 1])
+@pytest.mark.parametrize(
+    "impossible",
+    [
+        {"rim_share": LEAST_RIM_SHARE - 0.01},
+        {"beyond": MOST_BEYOND + 0.01},
+        {"thickness": THICKEST + 0.01},
+        {"thickness": np.inf},
+    ],
+    ids=str,
+)
+def test_an_impossible_half_has_no_chance_at_all(impossible):
+    assert half_confidence(halves())[0] > 0.9
+    assert half_confidence(halves(**impossible))[0] == 0.0
 
 
-@pytest.mark.parametrize(("second", "expected"), [(0.84, True), (0.7, False)])
-def test_a_further_plane_must_agree_nearly_as_well_as_the_best(second, expected):
-    found = evidence([0.6, 0.6], [0.85, second])
-    assert list(believable(found, np.array([0.9, 0.9]), 0.65)) == [True, expected]
-    assert list(believable(found, np.array([0.9, 0.6]), 0.65)) == [True, False]
+def test_a_half_that_is_crossed_less_squarely_is_less_likely():
+    found = half_confidence(halves(crossing=np.linspace(0.0, 0.3, 30)))
+    assert (np.diff(found) < 0.0).all()
+    assert half_confidence(halves(crossing=np.sin(np.radians(20.0))))[0] < 0.01
+    assert half_confidence(halves(crossing=1.0))[0] < 1e-12
+
+
+def test_a_meridian_needs_a_match_and_a_lead():
+    found = meridian_confidence(np.linspace(0.0, 1.0, 30), 0.2)
+    assert (np.diff(found) > 0.0).all()
+    assert found[0] < 1e-6
+    assert found[-1] > 0.95
+    falling = [meridian_confidence(np.array([0.7]), rival)[0] for rival in np.linspace(0, 0.7, 30)]
+    assert (np.diff(falling) < 0.0).all()
+    assert falling[-1] < 0.1
+
+
+@pytest.mark.parametrize("least", [0.2, 0.5, 0.9])
+def test_planes_are_believable_from_the_least_confidence_on(least):
+    sure = np.array([1.0, least + 0.01, least, least - 0.01, 0.0])
+    found = believable(np.full(5, 0.8), sure, least)
+    assert list(found) == [True, True, True, False, False]
+
+
+def test_a_further_plane_must_agree_nearly_as_well_as_the_best():
+    agreement = np.array([0.85, 0.86 - RIVAL, 0.84 - RIVAL, 0.99])
+    assert list(believable(agreement, np.ones(4), 0.5)) == [True, True, False, True]
+
+
+def test_any_plane_is_believable_to_those_who_ask_for_no_confidence():
+    assert believable(np.full(3, 0.4), np.zeros(3), 0.0).all()

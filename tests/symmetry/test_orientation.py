@@ -46,12 +46,29 @@ def test_the_side_of_a_flat_sheet_is_not_known():
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_hints_decide_whatever_the_shape_says(sign):
+def test_hints_that_all_point_inwards_are_turned_round(sign):
     directions = even_sphere(500)
     hints = sign * 7.0 * directions
     normals, oriented = orient(0.3 * directions, turned_at_random(directions), hints)
     assert oriented.all()
-    assert np.array_equal(normals, sign * directions)
+    assert np.array_equal(normals, directions)
+
+
+def test_hints_decide_where_the_shape_is_silent():
+    places = np.random.default_rng(0).uniform(-0.35, 0.35, (2_000, 2))
+    sheet = np.column_stack([places, np.zeros(2_000)])
+    upwards = np.broadcast_to([0.0, 0.0, 1.0], sheet.shape)
+    normals, oriented = orient(sheet, upwards, -upwards)
+    assert oriented.all()
+    assert np.array_equal(normals, -upwards)
+
+
+def test_guessed_hints_are_not_used():
+    directions = even_sphere(500)
+    plain = orient(0.3 * directions, directions, None)
+    guessed = orient(0.3 * directions, directions, turned_at_random(directions))
+    assert np.array_equal(plain[0], guessed[0])
+    assert np.array_equal(plain[1], guessed[1])
 
 
 def test_hints_across_the_normal_or_of_no_length_tell_nothing():

@@ -56,7 +56,7 @@ def test_relief_goes_with_the_mirror_image_and_changes_sign_with_the_side():
     assert np.ptp(found) > 0.05
 
 
-@pytest.mark.parametrize("radius", [1e-9, 0.004, 0.3, 10.0])
+@pytest.mark.parametrize("radius", [1e-300, 1e-9, 0.004, 0.3, 10.0])
 @pytest.mark.parametrize("count", [1, 2, 300])
 def test_relief_is_the_mean_height_over_the_ball(count, radius):
     rng = np.random.default_rng(count)
