@@ -14,7 +14,15 @@ from meshlab_symrecon.symmetry.refinement import Schedule, refine_planes
 from meshlab_symrecon.symmetry.traits import merit
 from meshlab_symrecon.symmetry.verification import Evidence, examine
 
-__all__ = ["KEPT", "QUERIES", "TOLERANCE", "refine_and_verify", "refine_drawn", "refine_nearby", "settle"]
+__all__ = [
+    "KEPT",
+    "QUERIES",
+    "TOLERANCE",
+    "refine_and_verify",
+    "refine_drawn",
+    "refine_nearby",
+    "settle",
+]
 
 # Lengths are in diagonals of the prepared cloud.
 TOLERANCE = 0.006  # of a match in verification

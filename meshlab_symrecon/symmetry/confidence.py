@@ -11,7 +11,7 @@ from meshlab_symrecon.symmetry.verification import Evidence
 
 __all__ = ["believable", "confidence", "half_confidence", "meridian_confidence"]
 
-# Logistic regressions whose weights may not contradict their meaning; docs/detection.md tells on what.
+# Logistic regressions whose weights may not contradict their meaning (on what: docs/detection.md).
 # Traits without a weight say nothing that the others do not.
 CONSTANT = -3.09
 WEIGHTS = {

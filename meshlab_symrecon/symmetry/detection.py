@@ -17,7 +17,7 @@ from meshlab_symrecon.symmetry.candidates import vote
 from meshlab_symrecon.symmetry.cascade import KEPT, QUERIES
 from meshlab_symrecon.symmetry.confidence import believable
 from meshlab_symrecon.symmetry.exemplars import choose_exemplars
-from meshlab_symrecon.symmetry.hypotheses import judge, judge_drawn
+from meshlab_symrecon.symmetry.judgement import judge, judge_drawn
 from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
 from meshlab_symrecon.symmetry.verification import Evidence
 

@@ -103,9 +103,7 @@ def _crossing(cloud: PreparedCloud, normal: Floats, heights: Floats, rim: Indice
     cosines = cloud.normals @ normal
     to_rim = cKDTree(cloud.points[cloud.border]).query(cloud.points)[0]
     usable = to_rim > WHOLE * cloud.spacing
-    surroundings = cKDTree(cloud.points).query_ball_point(
-        cloud.points[rim], AROUND * cloud.spacing
-    )
+    surroundings = cKDTree(cloud.points).query_ball_point(cloud.points[rim], AROUND * cloud.spacing)
     found = []
     for point, around in zip(rim, surroundings, strict=True):
         near = np.array(around)

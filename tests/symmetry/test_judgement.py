@@ -5,7 +5,8 @@ from symmetry.bodies import as_prepared, ellipsoid, jug, no_planes, symmetric_cl
 from meshlab_symrecon.geometry.planes import plane_angles
 from meshlab_symrecon.symmetry.candidates import vote
 from meshlab_symrecon.symmetry.exemplars import choose_exemplars
-from meshlab_symrecon.symmetry.hypotheses import VARIANT, judge, judge_drawn
+from meshlab_symrecon.symmetry.hypotheses import VARIANT
+from meshlab_symrecon.symmetry.judgement import judge, judge_drawn
 from meshlab_symrecon.symmetry.preparation import prepare
 
 HANDLE = np.array([[0.0, 1.0, 0.0, 0.0]])
