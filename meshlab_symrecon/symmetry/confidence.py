@@ -13,33 +13,34 @@ __all__ = ["believable", "confidence", "half_confidence", "meridian_confidence"]
 
 # Logistic regressions whose weights may not contradict their meaning (on what: docs/detection.md).
 # Traits without a weight say nothing that the others do not.
-CONSTANT = -3.09
+CONSTANT = -2.14
 WEIGHTS = {
-    "cleanness": 6.32,
-    "near misses": -0.53,
-    "residual": -6.31,
-    "relief": 0.79,
-    "coarse relief": 2.43,
-    "excused": -6.34,
-    "rim excused": -7.71,
-    "lead": 0.26,
-    "roughness": 1.83,
+    "cleanness": 5.54,
+    "near misses": -0.47,
+    "residual": -7.49,
+    "relief": 1.04,
+    "coarse relief": 2.45,
+    "excused": -5.40,
+    "rim excused": -8.10,
+    "lead": 0.25,
+    "roughness": 1.89,
 }
 # Clouds that end at a flat break: what is missing is known, and little is left to compare.
-BROKEN_CONSTANT = -4.62
+BROKEN_CONSTANT = -5.79
 BROKEN_WEIGHTS = {
-    "fine agreement": 0.02,
-    "cleanness": 0.94,
-    "near misses": -0.48,
-    "residual": -7.87,
-    "fine relief": 1.37,
-    "worst regions": 1.43,
-    "excused": -9.05,
-    "broken off": -3.24,
-    "rim agreement": 0.28,
-    "rim excused": -1.90,
-    "lead": 1.13,
-    "roughness": 1.90,
+    "cleanness": 0.89,
+    "near misses": -0.61,
+    "residual": -7.90,
+    "fine relief": 0.47,
+    "relief": 1.13,
+    "coarse relief": 0.18,
+    "worst regions": 0.93,
+    "excused": -10.28,
+    "broken off": -3.57,
+    "rim agreement": 0.40,
+    "rim excused": -3.09,
+    "lead": 1.01,
+    "roughness": 9.41,
 }
 ENOUGH_SAMPLES = 100  # fewer match by chance: confidence falls in proportion
 CLEAR_AGREEMENT = 0.85
