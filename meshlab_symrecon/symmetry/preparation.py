@@ -95,9 +95,10 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
     Returns
     -------
     PreparedCloud
-        The same for any order of the points, up to rounding for any position and size.
+        The same for any order of the points and any number of copies of them, up to rounding for
+        any position and size.
     """
-    order = canonical_order(points)
+    order = _order_of_distinct(points)
     points = points[order]
     frame = _frame(points)
     framed = (points - frame.centre) @ frame.axes.T / frame.unit
@@ -145,6 +146,13 @@ class _Frame:
     centre: Floats  # (3,)
     axes: Floats  # (3, 3)  rows
     unit: float
+
+
+def _order_of_distinct(points: Points) -> Indices:
+    """Order points alike for every permutation; of those that coincide, only one is left."""
+    order = canonical_order(points)
+    steps = (points[order[1:]] != points[order[:-1]]).any(axis=1)
+    return order[np.append(True, steps)]
 
 
 def _frame(points: Points) -> _Frame:
