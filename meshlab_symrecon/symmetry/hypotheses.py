@@ -13,7 +13,6 @@ from meshlab_symrecon.symmetry.verification import Evidence
 __all__ = ["VARIANT", "Hypotheses", "best_first"]
 
 VARIANT = (np.radians(8.0), 0.06)  # angle and offset of two planes of which at most one is true
-CHANCE_STEPS = 10  # chances in the same step are equal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,7 +29,7 @@ class Hypotheses:
 
 
 def best_first(found: Hypotheses) -> Hypotheses:
-    """Order planes by chance; those about as likely, by merit.
+    """Order planes by chance; those equally likely, by merit.
 
     Parameters
     ----------
@@ -41,5 +40,4 @@ def best_first(found: Hypotheses) -> Hypotheses:
     Hypotheses
         The same planes.
     """
-    steps = np.round(found.chances * CHANCE_STEPS)
-    return found.take(np.lexsort((-found.chances, -merit(found.evidence), -steps)))
+    return found.take(np.lexsort((-merit(found.evidence), -found.chances)))

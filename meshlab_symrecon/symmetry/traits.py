@@ -36,6 +36,7 @@ TRAITS = (
 FINE_TOLERANCE = 0.0025  # diagonals
 RIM_TOLERANCE = 0.008
 FEWEST_RIM, MOST_RIM = 15, 400  # rim points mirrored
+FEW_EXCUSED = 0.25  # fewer only say that little is missing
 ENOUGH_SUPPORT = 0.4  # more only says that less is missing
 CONTRADICTION_SCALE = 0.02  # contradiction at which cleanness has fallen to 1 / e
 NEAR_MISS, NEAR_MISS_SPACINGS = 0.02, 3.0  # off the surface: diagonals, and at least spacings
@@ -134,8 +135,8 @@ def _excused(landings: Landings) -> Floats:
     """Share of the images that may have fallen into holes, among those not known to be missing."""
     uncertain = landings.weights * ~landings.broken_off
     total = np.maximum(uncertain.sum(axis=1), 1.0)
-    found: Floats = (uncertain * landings.excused).sum(axis=1) / total
-    return found
+    shares: Floats = (uncertain * landings.excused).sum(axis=1) / total
+    return np.maximum(shares, FEW_EXCUSED)
 
 
 def _near_misses(landings: Landings, cloud: PreparedCloud) -> Floats:
@@ -179,7 +180,7 @@ def _rim_agreement(
     """Mirror the rims of holes: what fills a hole has to meet its rim. Without holes, all agree."""
     rim: Indices = np.flatnonzero(cloud.border)
     if len(rim) < FEWEST_RIM:
-        return agreement, np.zeros(len(planes))
+        return agreement, np.full(len(planes), FEW_EXCUSED)
     rim = rim[np.linspace(0, len(rim) - 1, min(len(rim), MOST_RIM)).astype(np.int64)]
     landings = land(planes, cloud, rim, RIM_TOLERANCE)
     uncertain = landings.weights * ~landings.broken_off
