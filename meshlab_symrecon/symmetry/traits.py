@@ -151,8 +151,8 @@ def _worst_regions(landings: Landings, places: Floats) -> Floats:
     regions = cKDTree(places[:REGIONS]).query(places)[1]
     member = np.zeros((len(places), REGIONS))
     member[np.arange(len(places)), regions] = 1.0
-    judged = (landings.weights * ~(landings.excused | landings.broken_off)) @ member
-    matched = (landings.weights * landings.worth) @ member
+    blamed = landings.weights * ~(landings.excused | landings.broken_off)
+    judged, matched = blamed @ member, (blamed * landings.worth) @ member
     whole = np.maximum(landings.weights @ member, FEWEST_JUDGED)
     shares = np.where(judged > ENOUGH_JUDGED * whole, matched / np.maximum(judged, TINY), np.nan)
     enough = ~np.isnan(shares)
