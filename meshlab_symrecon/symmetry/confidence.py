@@ -13,34 +13,35 @@ __all__ = ["believable", "confidence", "half_confidence", "meridian_confidence"]
 
 # Logistic regressions whose weights may not contradict their meaning (on what: docs/detection.md).
 # Traits without a weight say nothing that the others do not.
-CONSTANT = -2.14
+CONSTANT = -1.84
 WEIGHTS = {
-    "cleanness": 5.54,
-    "near misses": -0.47,
-    "residual": -7.49,
-    "relief": 1.04,
-    "coarse relief": 2.45,
-    "excused": -5.40,
-    "rim excused": -8.10,
-    "lead": 0.25,
-    "roughness": 1.89,
+    "cleanness": 5.52,
+    "near misses": -0.48,
+    "residual": -6.76,
+    "relief": 1.03,
+    "coarse relief": 2.56,
+    "worst regions": 0.51,
+    "excused": -5.89,
+    "rim excused": -9.38,
+    "lead": 0.34,
+    "roughness": 2.17,
 }
 # Clouds that end at a flat break: what is missing is known, and little is left to compare.
-BROKEN_CONSTANT = -5.79
+BROKEN_CONSTANT = -6.12
 BROKEN_WEIGHTS = {
-    "cleanness": 0.89,
-    "near misses": -0.61,
-    "residual": -7.90,
-    "fine relief": 0.47,
-    "relief": 1.13,
-    "coarse relief": 0.18,
-    "worst regions": 0.93,
-    "excused": -10.28,
-    "broken off": -3.57,
-    "rim agreement": 0.40,
-    "rim excused": -3.09,
-    "lead": 1.01,
-    "roughness": 9.41,
+    "cleanness": 0.96,
+    "near misses": -0.66,
+    "residual": -7.50,
+    "fine relief": 0.50,
+    "relief": 1.12,
+    "coarse relief": 0.22,
+    "worst regions": 0.80,
+    "excused": -9.71,
+    "broken off": -3.78,
+    "rim agreement": 0.59,
+    "rim excused": -2.40,
+    "lead": 1.00,
+    "roughness": 9.15,
 }
 ENOUGH_SAMPLES = 100  # fewer match by chance: confidence falls in proportion
 CLEAR_AGREEMENT = 0.85

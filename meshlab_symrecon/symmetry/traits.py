@@ -121,7 +121,7 @@ def traits(planes: Planes, evidence: Evidence, cloud: PreparedCloud, tolerance: 
         *relief.T,
         _worst_regions(landings, cloud.points[queries]),
         _turn(landings, cloud.spacing),
-        _excused(landings),
+        _excused(landings, cloud),
         (landings.weights * landings.broken_off).sum(axis=1) / total,
         rim,
         rim_excused,
@@ -131,12 +131,12 @@ def traits(planes: Planes, evidence: Evidence, cloud: PreparedCloud, tolerance: 
     return np.stack(columns, axis=1)
 
 
-def _excused(landings: Landings) -> Floats:
+def _excused(landings: Landings, cloud: PreparedCloud) -> Floats:
     """Share of the images that may have fallen into holes, among those not known to be missing."""
     uncertain = landings.weights * ~landings.broken_off
     total = np.maximum(uncertain.sum(axis=1), 1.0)
     shares: Floats = (uncertain * landings.excused).sum(axis=1) / total
-    return np.maximum(shares, FEW_EXCUSED)
+    return shares if cloud.broken else np.maximum(shares, FEW_EXCUSED)
 
 
 def _near_misses(landings: Landings, cloud: PreparedCloud) -> Floats:
@@ -152,8 +152,8 @@ def _worst_regions(landings: Landings, places: Floats) -> Floats:
     regions = cKDTree(places[:REGIONS]).query(places)[1]
     member = np.zeros((len(places), REGIONS))
     member[np.arange(len(places)), regions] = 1.0
-    judged = (landings.weights * ~(landings.excused | landings.broken_off)) @ member
-    matched = (landings.weights * landings.worth) @ member
+    blamed = landings.weights * ~(landings.excused | landings.broken_off)
+    judged, matched = blamed @ member, (blamed * landings.worth) @ member
     whole = np.maximum(landings.weights @ member, FEWEST_JUDGED)
     shares = np.where(judged > ENOUGH_JUDGED * whole, matched / np.maximum(judged, TINY), np.nan)
     enough = ~np.isnan(shares)
@@ -185,7 +185,7 @@ def _rim_agreement(
     landings = land(planes, cloud, rim, RIM_TOLERANCE)
     uncertain = landings.weights * ~landings.broken_off
     matched = (uncertain * landings.worth).sum(axis=1)
-    return matched / np.maximum(uncertain.sum(axis=1), 1.0), _excused(landings)
+    return matched / np.maximum(uncertain.sum(axis=1), 1.0), _excused(landings, cloud)
 
 
 def _lead(planes: Planes, evidence: Evidence) -> Floats:

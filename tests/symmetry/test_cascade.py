@@ -6,6 +6,9 @@ from meshlab_symrecon.geometry.planes import plane_angles
 from meshlab_symrecon.symmetry.cascade import (
     KEPT,
     SAME,
+    SHIFT,
+    TILT,
+    _beside,
     refine_and_verify,
     refine_drawn,
     refine_nearby,
@@ -41,10 +44,11 @@ def assert_close(found, expected, angle, shift):
     assert np.abs(signs * found[:, 3] - expected[:, 3]).max() < shift
 
 
+@pytest.mark.parametrize(("degrees", "share"), [(8.0, 0.04), (12.0, 0.05)])
 @pytest.mark.parametrize("seed", range(3))
-def test_a_drawn_plane_ends_where_the_true_one_does(cloud, true, seed):
-    drawn = beside(true[0], 8.0, 0.04, seed)[np.newaxis]
-    assert np.degrees(plane_angles(drawn, true[0])[0]) == pytest.approx(8.0)
+def test_a_drawn_plane_ends_where_the_true_one_does(cloud, true, seed, degrees, share):
+    drawn = beside(true[0], degrees, share, seed)[np.newaxis]
+    assert np.degrees(plane_angles(drawn, true[0])[0]) == pytest.approx(degrees)
     from_truth = refine_drawn(cloud, true)
     assert_close(refine_drawn(cloud, drawn), from_truth, 1e-3, 1e-3)
     assert_close(from_truth, true, np.radians(0.5), 0.003)
@@ -63,6 +67,17 @@ def test_planes_come_back_in_their_order(cloud, true, name):
     for start, plane in zip(some, together, strict=True):
         assert np.array_equal(STEPS[name](cloud, start[np.newaxis])[0], plane)
     assert_close(together[1:2], true, np.radians(0.5), 0.003)
+
+
+def test_beside_a_plane_are_four_tilted_and_two_shifted_ones():
+    plane = np.array([0.48, -0.6, 0.64, 0.1])
+    found = _beside(plane)
+    assert np.allclose(np.linalg.norm(found[:, :3], axis=1), 1.0)
+    assert np.allclose(plane_angles(found, plane), [TILT] * 4 + [0.0] * 2)
+    assert np.allclose(found[:, 3] - plane[3], [0.0] * 4 + [-SHIFT, SHIFT])
+    tilts = found[:4, :3] - np.cos(TILT) * plane[:3]
+    assert np.allclose(tilts.sum(axis=0), 0.0)
+    assert np.linalg.matrix_rank(tilts, tol=1e-9) == 2
 
 
 @pytest.mark.parametrize("name", STEPS)

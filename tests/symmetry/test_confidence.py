@@ -9,6 +9,7 @@ from meshlab_symrecon.symmetry.confidence import (
     MOST_BEYOND,
     RIVAL,
     THICKEST,
+    BROKEN_WEIGHTS,
     WEIGHTS,
     believable,
     confidence,
@@ -27,9 +28,9 @@ def evidence(agreement):
     return Evidence(rest, np.asarray(agreement, dtype=float), rest, rest)
 
 
-def chances(rows, count=MANY, agreement=None):
+def chances(rows, count=MANY, agreement=None, *, broken=False):
     agreement = np.ones(len(rows)) if agreement is None else agreement
-    return confidence(np.asarray(rows, dtype=float), evidence(agreement), count)
+    return confidence(np.asarray(rows, dtype=float), evidence(agreement), count, broken=broken)
 
 
 def halves(rim_share=0.9, beyond=0.0, crossing=0.0, thickness=0.5):
@@ -37,27 +38,33 @@ def halves(rim_share=0.9, beyond=0.0, crossing=0.0, thickness=0.5):
     return HalfEvidence(*(np.asarray(column, dtype=float) for column in columns))
 
 
-def test_every_trait_has_its_weight():
-    assert set(WEIGHTS) == set(TRAITS)
+AGAINST = {"near misses", "residual", "turn", "excused", "broken off", "rim excused"}
+BOTH = pytest.mark.parametrize("broken", [False, True])
 
 
+def weights(broken):
+    return BROKEN_WEIGHTS if broken else WEIGHTS
+
+
+@BOTH
+def test_every_weight_belongs_to_a_trait(broken):
+    assert set(weights(broken)) <= set(TRAITS)
+
+
+@BOTH
 @pytest.mark.parametrize("name", TRAITS)
-def test_confidence_is_monotone_in_every_trait(name):
+def test_confidence_is_monotone_in_every_trait(name, broken):
     rows = np.zeros((50, len(TRAITS)))
-    rows[:, TRAITS.index(name)] = np.linspace(-3.0, 3.0, 50)
-    found = chances(rows)
+    rows[:, TRAITS.index(name)] = np.linspace(-1.0, 1.0, 50)
+    found = chances(rows, broken=broken)
     assert ((found > 0.0) & (found < 1.0)).all()
-    assert (np.sign(np.diff(found)) == np.sign(WEIGHTS[name])).all()
+    assert (np.sign(np.diff(found)) == np.sign(weights(broken).get(name, 0.0))).all()
 
 
-@pytest.mark.parametrize("name", ["cleanness", "worst regions", "lead", "coarse relief"])
-def test_what_speaks_for_a_plane_never_lowers_confidence(name):
-    assert WEIGHTS[name] >= 0.0
-
-
-@pytest.mark.parametrize("name", ["residual", "near misses", "excused"])
-def test_what_speaks_against_a_plane_never_raises_confidence(name):
-    assert WEIGHTS[name] <= 0.0
+@BOTH
+@pytest.mark.parametrize("name", sorted(set(TRAITS) - {"roughness"}))
+def test_no_weight_contradicts_its_meaning(name, broken):
+    assert weights(broken).get(name, 0.0) * (-1.0 if name in AGAINST else 1.0) >= 0.0
 
 
 def test_the_odds_are_multiplied_trait_by_trait():
@@ -69,7 +76,7 @@ def test_the_odds_are_multiplied_trait_by_trait():
 
 
 def test_confidence_does_not_overflow():
-    found = chances(np.outer([-1e9, 1e9], list(WEIGHTS.values())))
+    found = chances(np.outer([-1e9, 1e9], [WEIGHTS.get(name, 0.0) for name in TRAITS]))
     assert found[0] == pytest.approx(0.0, abs=1e-15)
     assert found[1] == pytest.approx(1.0, abs=1e-15)
 

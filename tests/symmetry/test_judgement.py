@@ -4,10 +4,12 @@ from symmetry.bodies import as_prepared, ellipsoid, jug, no_planes, symmetric_cl
 
 from meshlab_symrecon.geometry.planes import plane_angles
 from meshlab_symrecon.symmetry.candidates import vote
+from meshlab_symrecon.symmetry.cascade import TOLERANCE, refine_and_verify
 from meshlab_symrecon.symmetry.exemplars import choose_exemplars
 from meshlab_symrecon.symmetry.hypotheses import VARIANT
-from meshlab_symrecon.symmetry.judgement import judge, judge_drawn
+from meshlab_symrecon.symmetry.judgement import FINE_SHARE, judge, judge_drawn
 from meshlab_symrecon.symmetry.preparation import prepare
+from meshlab_symrecon.symmetry.traits import TRAITS, merit, traits
 
 HANDLE = np.array([[0.0, 1.0, 0.0, 0.0]])
 MIDDLE = np.array([[1.0, 0.0, 0.0, 0.0]])
@@ -79,6 +81,21 @@ def test_planes_differ_and_the_likeliest_comes_first(jugged, statue):
             variants = plane_angles(others, plane) < VARIANT[0]
             variants &= np.abs(signs * others[:, 3] - plane[3]) < VARIANT[1]
             assert not variants.any()
+
+
+def test_of_variants_the_one_that_fits_best_stays(statue):
+    cloud, starts = searched(statue)
+    planes, evidence = refine_and_verify(cloud, starts)
+    fine = traits(planes, evidence, cloud, TOLERANCE)[:, TRAITS.index("fine agreement")]
+    fit = merit(evidence) + FINE_SHARE * fine
+    found = judge(cloud, starts).planes
+    close = [np.abs(found - plane).max(axis=1).min() < 1e-9 for plane in planes]
+    assert 1 < sum(close) < len(planes)
+    for plane, worth in zip(planes, fit, strict=True):
+        signs = np.sign(planes[:, :3] @ plane[:3])
+        variants = plane_angles(planes, plane) < VARIANT[0]
+        variants &= np.abs(signs * planes[:, 3] - plane[3]) < VARIANT[1]
+        assert fit[variants & close].max() >= worth
 
 
 def test_whole_bodies_without_starts_have_no_planes():

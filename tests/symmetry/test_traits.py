@@ -9,12 +9,14 @@ from meshlab_symrecon.symmetry.traits import (
     RIVALS,
     TRAITS,
     VARIANT,
+    _excused,
     _lead,
+    _worst_regions,
     merit,
     traits,
     whole_symmetry,
 )
-from meshlab_symrecon.symmetry.verification import Evidence, examine
+from meshlab_symrecon.symmetry.verification import Evidence, Landings, examine
 
 TOLERANCE = 0.006
 
@@ -125,11 +127,11 @@ def tilted(degrees, shifts):
 
 def test_variants_of_a_plane_are_no_rivals_however_they_are_written():
     angle, shift = np.degrees(VARIANT[0]), VARIANT[1]
-    planes = tilted([0.0, 0.9 * angle, 0.0], [0.0, 0.0, 0.9 * shift])
+    planes = tilted([0.0, 0.9 * angle, 0.0], [0.2, 0.2, 0.2 + 0.9 * shift])
     alone = _lead(planes[:1], evidence([0.3], [0.7]))[0]
     among = _lead(planes * [[1.0], [-1.0], [-1.0]], evidence([0.3] * 3, [0.7] * 3))
     assert np.allclose(among[0], alone)
-    apart = tilted([0.0, 1.1 * angle, 0.0], [0.0, 0.0, 1.1 * shift])
+    apart = tilted([0.0, 1.1 * angle, 0.0], [0.2, 0.2, 0.2 + 1.1 * shift])
     assert _lead(apart, evidence([0.3] * 3, [0.7] * 3))[0] < alone
 
 
@@ -153,6 +155,35 @@ def test_true_planes_of_a_box_are_no_rivals_but_others_are():
 def test_whole_symmetry_needs_agreement_support_and_nothing_against_it():
     found = evidence([0.9, 0.9, 0.2, 0.9], [0.95, 0.8, 0.95, 0.95], [0.0, 0.0, 0.0, 0.02])
     assert list(whole_symmetry(found)) == [True, False, False, False]
+
+
+def landings(worth, excused=0, broken_off=0, weights=1.0):
+    """Landings of one plane that are worth something, and nothing else."""
+    worth = np.atleast_2d(np.asarray(worth, dtype=float))
+    zeros, every = np.zeros(worth.shape), np.ones(worth.shape)
+    flags = (zeros + excused > 0, zeros + broken_off > 0)
+    return Landings(zeros.astype(np.int64), every * weights, zeros, every, worth, *flags)
+
+
+def test_excused_is_a_share_of_what_is_not_broken_off():
+    found = landings(np.zeros(10), [1, 1, 1, *[0] * 7], [*[0] * 5, *[1] * 5])
+    assert _excused(found)[0] == pytest.approx(3 / 5)
+    lighter = landings(np.zeros(10), [1, 1, 1, *[0] * 7], 0, [*[0.5] * 5, *[1.0] * 5])
+    assert _excused(lighter)[0] == pytest.approx(1.5 / 7.5)
+
+
+def test_the_worst_regions_are_those_of_the_lower_fifth():
+    """Forty clusters of ten samples, of which each agrees a little better than the one before."""
+    sites = np.random.default_rng(0).permutation(np.arange(40.0))
+    places = np.zeros((400, 3))
+    places[:, 0] = np.tile(sites, 10)
+    worth = places[:, 0] / 39.0
+    assert _worst_regions(landings(worth), places)[0] == pytest.approx(0.2)
+    # Regions that are mostly excused are not judged.
+    excused = places[:, 0] < 20
+    upper = np.quantile(np.arange(20, 40) / 39.0, 0.2)
+    assert _worst_regions(landings(worth, excused), places)[0] == pytest.approx(upper)
+    assert _worst_regions(landings(worth, np.ones(400)), places)[0] == 0.0
 
 
 def test_what_is_known_to_be_broken_off_is_not_excused_by_holes(statue):
