@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from meshlab_symrecon.symmetry.confidence import (
+    BROKEN_WEIGHTS,
     CLEAR_AGREEMENT,
     ENOUGH_SAMPLES,
     ENOUGH_UNCLEAR,
@@ -9,7 +10,6 @@ from meshlab_symrecon.symmetry.confidence import (
     MOST_BEYOND,
     RIVAL,
     THICKEST,
-    BROKEN_WEIGHTS,
     WEIGHTS,
     believable,
     confidence,

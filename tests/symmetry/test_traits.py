@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from symmetry.bodies import as_prepared, even_sphere, no_planes, symmetric_cloud
@@ -5,6 +7,7 @@ from symmetry.bodies import as_prepared, even_sphere, no_planes, symmetric_cloud
 from meshlab_symrecon.symmetry.preparation import prepare
 from meshlab_symrecon.symmetry.traits import (
     CHANCE_MERIT,
+    FEW_EXCUSED,
     MOST_LEAD,
     RIVALS,
     TRAITS,
@@ -49,8 +52,10 @@ def test_an_exact_plane_has_the_best_of_all_traits(exact):
         assert found[name][0] == pytest.approx(1.0, abs=1e-9), name
     for name in ("fine relief", "relief", "coarse relief"):
         assert found[name][0] == pytest.approx(1.0, abs=1e-9), name
-    for name in ("residual", "turn", "excused", "broken off", "rim excused"):
+    for name in ("residual", "turn", "broken off"):
         assert found[name][0] == pytest.approx(0.0, abs=1e-5), name
+    for name in ("excused", "rim excused"):
+        assert found[name][0] == FEW_EXCUSED, name
     assert found["support"][0] == found["support"].max()
     assert found["near misses"][0] == found["near misses"].min()
     assert found["lead"][0] == MOST_LEAD
@@ -95,8 +100,8 @@ def test_without_holes_the_rims_agree_as_all_does():
     _, found = measured(cloud, planes)
     assert not cloud.border.any()
     assert np.array_equal(found["rim agreement"], found["agreement"])
-    assert (found["rim excused"] == 0.0).all()
-    assert (found["excused"] == 0.0).all()
+    assert (found["rim excused"] == FEW_EXCUSED).all()
+    assert (found["excused"] == FEW_EXCUSED).all()
 
 
 def test_no_planes_have_no_traits(statue):
@@ -167,9 +172,12 @@ def landings(worth, excused=0, broken_off=0, weights=1.0):
 
 def test_excused_is_a_share_of_what_is_not_broken_off():
     found = landings(np.zeros(10), [1, 1, 1, *[0] * 7], [*[0] * 5, *[1] * 5])
-    assert _excused(found)[0] == pytest.approx(3 / 5)
+    broken, whole = SimpleNamespace(broken=True), SimpleNamespace(broken=False)
+    assert _excused(found, broken)[0] == pytest.approx(3 / 5)
     lighter = landings(np.zeros(10), [1, 1, 1, *[0] * 7], 0, [*[0.5] * 5, *[1.0] * 5])
-    assert _excused(lighter)[0] == pytest.approx(1.5 / 7.5)
+    assert _excused(lighter, broken)[0] == pytest.approx(1.5 / 7.5)
+    assert _excused(found, whole)[0] == pytest.approx(3 / 5)
+    assert _excused(lighter, whole)[0] == FEW_EXCUSED
 
 
 def test_the_worst_regions_are_those_of_the_lower_fifth():
