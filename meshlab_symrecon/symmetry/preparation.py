@@ -115,17 +115,13 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
     spacing = float(np.median(cKDTree(places).query(places, k=2)[0][:, 1]))
     rims = rim_plane(places, border, spacing)
     ended = broken_off(places, border, rims, spacing)
-    holes = places[border]
-    if rims is not None and ended[:3].any():
-        holes = holes[~on_plane(holes, rims, spacing)]
-    distance = cKDTree(holes).query(places)[0] if len(holes) else np.inf
     samples = farthest_point_order(places, sample_count)
     return PreparedCloud(
         points=places,
         normals=directions,
         oriented=oriented,
         border=border,
-        border_distance=np.broadcast_to(distance, len(places)).copy(),
+        border_distance=_to_holes(places, border, rims if ended[:3].any() else None, spacing),
         rim_plane=rims,
         broken_off=ended,
         samples=samples,
@@ -159,6 +155,17 @@ def _frame(points: Points) -> _Frame:
     """Return a frame that follows the cloud: what is done in it follows every motion."""
     centre, axes = principal_frame(points)
     return _Frame(centre, axes, robust_diagonal(points @ axes.T))
+
+
+def _to_holes(places: Points, border: Booleans, flat: Floats | None, spacing: float) -> Floats:
+    """Return distances to the nearest rim, leaving out that of a flat break."""
+    holes = places[border]
+    if flat is not None:
+        holes = holes[~on_plane(holes, flat, spacing)]
+    if len(holes) == 0:
+        return np.full(len(places), np.inf)
+    distances: Floats = cKDTree(holes).query(places)[0]
+    return distances
 
 
 def _root_covariance(places: Points) -> Floats:
