@@ -8,7 +8,7 @@ from meshlab_symrecon.geometry.neighbours import without_outliers
 from meshlab_symrecon.geometry.sampling import thin_by_voxels, voxel_means
 from meshlab_symrecon.symmetry.plinth import off_plinth
 
-__all__ = ["without_clutter"]
+__all__ = ["without_clutter", "without_plinth"]
 
 DENSE_COUNT = 40_000  # points of the level on which clutter is found and normals are fitted
 CLUTTER_LIMIT = 2.0  # multiple of the median neighbour distance
@@ -16,7 +16,7 @@ CLUTTER_ROUNDS = 2
 
 
 def without_clutter(points: Points, sides: Points | None) -> tuple[Points, Points | None]:
-    """Thin a cloud to a dense level, and leave out clutter and a plinth.
+    """Thin a cloud to a dense level, and leave out clutter.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def without_clutter(points: Points, sides: Points | None) -> tuple[Points, Point
     Returns
     -------
     points : (m, 3) float
-        At most 40,000 of the statue, means of voxels where there are more.
+        At most 40,000, means of voxels where there are more.
     sides : (m, 3) float or None
         Means of their normals.
     """
@@ -37,6 +37,23 @@ def without_clutter(points: Points, sides: Points | None) -> tuple[Points, Point
         points = voxel_means(points, labels, count)
         sides = None if sides is None else voxel_means(sides, labels, count)
     kept = without_outliers(points, CLUTTER_LIMIT, CLUTTER_ROUNDS)
-    points, sides = points[kept], None if sides is None else sides[kept]
+    return points[kept], None if sides is None else sides[kept]
+
+
+def without_plinth(points: Points, sides: Points | None) -> tuple[Points, Points | None]:
+    """Leave out a plinth.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        The cloud, without much clutter.
+    sides : (n, 3) float or None
+        Outward normals.
+
+    Returns
+    -------
+    points, sides
+        Those above the plinth; all of them without one.
+    """
     left = off_plinth(points / robust_diagonal(points))
     return points[left], None if sides is None else sides[left]

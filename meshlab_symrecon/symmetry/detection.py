@@ -17,7 +17,7 @@ from meshlab_symrecon.symmetry.candidates import vote
 from meshlab_symrecon.symmetry.cascade import KEPT, QUERIES
 from meshlab_symrecon.symmetry.confidence import believable
 from meshlab_symrecon.symmetry.exemplars import choose_exemplars
-from meshlab_symrecon.symmetry.judgement import judge, judge_drawn
+from meshlab_symrecon.symmetry.judgement import judge, judge_again, judge_drawn
 from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
 from meshlab_symrecon.symmetry.verification import Evidence
 
@@ -219,9 +219,18 @@ def verified_planes(
     """
     cloud, exemplars, converged = _search(points, normals, options, rng, progress)
     found = judge(cloud, exemplars)
+    if cloud.on_plinth:
+        found = judge_again(found, cloud, _prepared(points, normals, plinth=True))
     _report_end(progress, len(found.planes))
     planes = canonical_planes(cloud.to_input(found.planes))
     return Verified(planes, found.evidence, found.chances, converged)
+
+
+def _prepared(points: ArrayLike, normals: ArrayLike | None, *, plinth: bool) -> PreparedCloud:
+    cloud_points = as_points(points)
+    sides = None if normals is None else as_normals(normals, len(cloud_points))
+    require_solid(cloud_points, "detection of reflection planes")
+    return prepare(cloud_points, sides, QUERIES, plinth=plinth)
 
 
 def _search(
@@ -232,13 +241,10 @@ def _search(
     progress: Progress | None,
 ) -> tuple[PreparedCloud, Planes, bool]:
     """Return the prepared cloud, exemplars among its candidate planes, and their convergence."""
-    cloud_points = as_points(points)
-    sides = None if normals is None else as_normals(normals, len(cloud_points))
-    require_solid(cloud_points, "detection of reflection planes")
     rng = np.random.default_rng(0) if rng is None else rng
     report = _silent if progress is None else progress
     report(0.0, "preparing the cloud")
-    cloud = prepare(cloud_points, sides, QUERIES)
+    cloud = _prepared(points, normals, plinth=False)
     report(0.35, "collecting votes of point pairs")
     candidates = vote(cloud, options.sample_count, MOST_CANDIDATES, rng)
     report(0.4, "clustering the votes")

@@ -26,12 +26,12 @@ from meshlab_symrecon.symmetry.revolution import meridians, on_axis, revolution_
 from meshlab_symrecon.symmetry.traits import TRAITS, merit, traits
 from meshlab_symrecon.symmetry.verification import Evidence, examine
 
-__all__ = ["judge", "judge_drawn"]
+__all__ = ["judge", "judge_again", "judge_drawn"]
 
 DRAWN = (np.radians(12.0), 0.06)  # of a plane from where somebody has drawn it
 FINE_SHARE = 6.0  # of fine agreement in the choice between variants
 LEAST_SUPPORT = 0.1  # the rim of a half says more than what little matches
-PURE = 0.03  # share off a body of revolution below which all its meridians are true
+PURE = 0.03  # share off a body of revolution below which all its meridians are alike
 NEARLY_BEST = 0.8  # of the best meridian's handle: another handle's plane
 APART = np.radians(15.0)  # between meridians that are not the same one
 
@@ -60,6 +60,34 @@ def judge(cloud: PreparedCloud, starts: Planes) -> Hypotheses:
     found = best_first(_with_halves(cloud, _with_meridians(cloud, found)))
     found = best_first(consistent(cloud, found.take(not_parallel(found.planes))))
     return _polished(cloud, found)
+
+
+def judge_again(found: Hypotheses, cloud: PreparedCloud, whole: PreparedCloud) -> Hypotheses:
+    """Raise the chances of planes that a cloud confirms together with what looked like its plinth.
+
+    A broad base of the statue itself can look like a plinth. Without it a true plane may have lost
+    its evidence; a real plinth has planes of its own, which were never found here.
+
+    Parameters
+    ----------
+    found : Hypotheses
+        Planes of the cloud.
+    cloud : PreparedCloud
+        The cloud without the plinth.
+    whole : PreparedCloud
+        The same with it.
+
+    Returns
+    -------
+    Hypotheses
+        The same planes, likeliest first.
+    """
+    planes = whole.from_input(cloud.to_input(found.planes))
+    evidence = examine(planes, whole, len(whole.samples), TOLERANCE, exact=True)
+    measured = traits(planes, evidence, whole, TOLERANCE)
+    chances = confidence(measured, evidence, len(whole.samples), broken=whole.broken)
+    better = np.maximum(found.chances, chances)
+    return best_first(consistent(cloud, Hypotheses(found.planes, found.evidence, better)))
 
 
 def _polished(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
@@ -130,8 +158,12 @@ def _with_meridians(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
     """Let the handle choose among the planes through an axis of revolution."""
     axis = revolution_axis(found.planes, found.evidence.agreement)
     around = None if axis is None else meridians(axis, cloud, TOLERANCE)
-    if axis is None or around is None or around.off_body < PURE:
+    if axis is None or around is None:
         return found
+    through = on_axis(found.planes, axis)
+    if around.off_body < PURE:  # all are as true as the likeliest, or as false: one is enough
+        through[np.argmax(np.where(through, found.chances, -1.0))] = False
+        return found.take(np.flatnonzero(~through))
     best = int(np.argmax(around.handle))
     order = np.argsort(-around.handle, kind="stable")
     order = order[around.handle[order] >= NEARLY_BEST * around.handle[best]]
@@ -146,8 +178,7 @@ def _with_meridians(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
     rival = around.handle[beside].max(initial=0.0)
     planes = refine_nearby(cloud, around.planes[chosen])
     chances = meridian_confidence(around.handle[chosen], float(rival))
-    others = np.flatnonzero(~on_axis(found.planes, axis))
-    return _joined(found.take(others), cloud, planes, chances)
+    return _joined(found.take(np.flatnonzero(~through)), cloud, planes, chances)
 
 
 def _with_halves(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:

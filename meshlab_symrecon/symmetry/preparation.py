@@ -24,7 +24,7 @@ from meshlab_symrecon.geometry.sampling import (
     voxel_means,
 )
 from meshlab_symrecon.symmetry.breaks import broken_off, on_plane, rim_plane
-from meshlab_symrecon.symmetry.cleaning import without_clutter
+from meshlab_symrecon.symmetry.cleaning import without_clutter, without_plinth
 from meshlab_symrecon.symmetry.orientation import orient
 
 __all__ = ["PreparedCloud", "prepare"]
@@ -60,6 +60,7 @@ class PreparedCloud:
     spacing: float  # median distance to the nearest point
     roughness: float  # median deviation from the local planes: noise and bending
     field: NearestField
+    on_plinth: bool  # a plinth was left out
     axes: Floats  # (3, 3)  rows: its axes, in the coordinates of the input
     centre: Floats  # (3,)  its origin, in the coordinates of the input
     scale: float  # its diagonal, in the units of the input
@@ -80,7 +81,9 @@ class PreparedCloud:
         return np.column_stack([normals, planes[:, 3] * self.scale - normals @ self.centre])
 
 
-def prepare(points: Points, normals: Points | None, sample_count: int) -> PreparedCloud:
+def prepare(
+    points: Points, normals: Points | None, sample_count: int, *, plinth: bool = False
+) -> PreparedCloud:
     """Bring a cloud to the form that the search works on.
 
     Parameters
@@ -91,6 +94,8 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
         Outward normals; only their sides are used, since directions are fitted anew.
     sample_count : int
         Number of even samples to order.
+    plinth : bool
+        What looks like a plinth belongs to the shape.
 
     Returns
     -------
@@ -106,6 +111,9 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
     turned = canonical_order(framed)  # the order follows motions, too
     framed, sides = framed[turned], None if sides is None else sides[turned]
     dense, sides = without_clutter(framed, sides)
+    everything = len(dense)
+    if not plinth:
+        dense, sides = without_plinth(dense, sides)
     shift, size = dense.mean(axis=0), robust_diagonal(dense)
     dense = (dense - shift) / size
     base = _base_level(dense)
@@ -131,6 +139,7 @@ def prepare(points: Points, normals: Points | None, sample_count: int) -> Prepar
         spacing=spacing,
         roughness=roughness,
         field=nearest_field(places, FIELD_CELL, FIELD_MARGIN, FIELD_CELLS),
+        on_plinth=len(dense) < everything,
         axes=frame.axes,
         centre=frame.centre + (frame.unit * shift) @ frame.axes,
         scale=frame.unit * size,

@@ -3,7 +3,7 @@ import pytest
 from scipy.spatial import cKDTree
 from symmetry.bodies import ellipsoid, even_sphere
 
-from meshlab_symrecon.symmetry.cleaning import DENSE_COUNT, without_clutter
+from meshlab_symrecon.symmetry.cleaning import DENSE_COUNT, without_clutter, without_plinth
 
 
 def test_clutter_in_the_air_goes_and_the_statue_stays():
@@ -46,7 +46,7 @@ def test_a_plinth_goes_with_its_normals():
     plinth[np.arange(4_000), faces] = np.sign(plinth[np.arange(4_000), faces])
     plinth = plinth * [0.45, 0.45, 0.06] - [0.0, 0.0, 0.065]
     cloud = np.vstack([statue, plinth])
-    points, normals = without_clutter(cloud, cloud.copy())
+    points, normals = without_plinth(cloud, cloud.copy())
     assert (points[:, 2] > 0.0).mean() > 0.999
     assert len(points) > 0.9 * len(statue)
     assert np.array_equal(points, normals)
