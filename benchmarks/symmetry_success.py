@@ -14,9 +14,10 @@ a plane, a method is right when the first plane it reports is; without one, when
 Every method is judged on the same damaged clouds and by the same verification and confidence
 (`mirror_peers.py`); *if forced* counts its first plane whatever the confidence.
 
-The constants in ``symmetry/confidence.py`` and ``symmetry/plinth.py`` were fitted on damage (seeds
-661, 662) of nefertiti, squirrel, max_planck, column, skull, trim_star, bunny and twirl, and on made
-shapes; moai, falcon, wingnut, demosthenes, sea_vase and shepherd_boy had no part in it.
+The weights in ``symmetry/confidence.py`` were fitted on nefertiti, squirrel, max_planck, column,
+skull, trim_star, bunny and twirl, on models from package samples, and on made shapes of seeds 0 to
+2, with damage by another program (`fit_confidence.py`); moai, falcon, wingnut, demosthenes,
+sea_vase and shepherd_boy had no part in it.
 """
 
 from __future__ import annotations
