@@ -31,6 +31,7 @@ class Damage:
     plinth: bool = False
     uneven: float = 1.0  # highest / lowest density
     count: int = 7000
+    posed: bool = True  # turned, moved and scaled
 
 
 CONDITIONS = {
@@ -78,7 +79,10 @@ def damaged(shape: Shape, damage: Damage, seed: int) -> Scan:
         scan = np.concatenate([scan, plinth(points, shape, rng, spread)])
     if damage.outliers > 0.0:
         scan = np.concatenate([scan, stray(scan, round(damage.outliers * len(points)), rng)])
-    return posed(rng.permutation(scan), shape, centre, diagonal, rng)
+    scan = rng.permutation(scan)
+    if not damage.posed:
+        return Scan(scan, shape.planes, shape.axis, centre, diagonal)
+    return posed(scan, shape, centre, diagonal, rng)
 
 
 def side_plane(shape: Shape, centre, rng) -> np.ndarray:
