@@ -53,7 +53,7 @@ class Parameters(ParameterSet):
         DEFAULTS.min_confidence,
         "Least confidence",
         "How sure the filter must be of a plane to report it, from 0 (a guess) to 1 (certain). The "
-        "default is set so that at most about 1 in 50 reported planes is wrong; lower it to see "
+        "default is set so that about 1 in 50 planes reported on statues is wrong; lower it to see "
         "more candidates, more of which are wrong. When refining nothing is left out, but a "
         "warning names the planes that stay below it.",
         low=LIMITS["min_confidence"][0],

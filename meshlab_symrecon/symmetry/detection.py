@@ -57,7 +57,7 @@ class DetectionOptions:
     """
 
     max_planes: int = 8
-    min_confidence: float = 0.5
+    min_confidence: float = 0.6
     sample_count: int = 1_200
 
     def __post_init__(self) -> None:
