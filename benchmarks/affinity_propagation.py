@@ -28,16 +28,16 @@ from solids import mesh_model
 from meshlab_symrecon.clustering.affinity_propagation import AffinityPropagation
 from meshlab_symrecon.clustering.similarities import similarity_quantile
 from meshlab_symrecon.symmetry.candidates import vote
-from meshlab_symrecon.symmetry.detection import (
+from meshlab_symrecon.symmetry.cascade import QUERIES
+from meshlab_symrecon.symmetry.detection import MOST_CANDIDATES
+from meshlab_symrecon.symmetry.embedding import embed_planes
+from meshlab_symrecon.symmetry.exemplars import (
     BANDWIDTH,
-    MOST_CANDIDATES,
     PREFERENCE,
-    QUERIES,
     QUICK_QUERIES,
     QUICK_TOLERANCE,
     THINNING,
 )
-from meshlab_symrecon.symmetry.embedding import embed_planes
 from meshlab_symrecon.symmetry.preparation import prepare
 from meshlab_symrecon.symmetry.verification import examine
 
@@ -64,7 +64,7 @@ def candidate_planes(name):
     noise = 0.0025 * np.linalg.norm(np.ptp(points, axis=0))
     cloud = prepare(points + noise * rng.normal(size=points.shape), None, QUERIES)
     planes = vote(cloud, 1_200, MOST_CANDIDATES, rng).planes
-    quick = examine(planes, cloud, QUICK_QUERIES, cloud.field.lookup, QUICK_TOLERANCE)
+    quick = examine(planes, cloud, QUICK_QUERIES, QUICK_TOLERANCE, exact=False)
     votes = quick.support - quick.contradiction
     order = np.argsort(-votes, kind="stable")
     places, votes = embed_planes(planes[order], cloud.root_covariance), votes[order]

@@ -59,7 +59,7 @@ def revolution_axis(planes: Planes, agreement: Floats) -> Axis | None:
         None when fewer than four planes share a line.
     """
     good = planes[agreement >= NEARLY_BEST * agreement.max(initial=0.0)]
-    best = np.zeros(len(good), dtype=bool)
+    best: Booleans = np.zeros(len(good), dtype=bool)
     for row, plane in enumerate(good):
         for other in good[row + 1 :]:
             axis = _common_line(np.stack([plane, other]))
