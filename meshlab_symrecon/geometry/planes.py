@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshlab_symrecon.arrays import Floats, Indices, Planes, Points
+from meshlab_symrecon.arrays import Booleans, Floats, Indices, Planes, Points
 
 __all__ = [
     "canonical_planes",
     "distinct_planes",
+    "near_plane",
     "plane_angles",
     "reflect",
     "reflect_directions",
@@ -128,6 +129,28 @@ def plane_angles(planes: Planes, plane: Floats) -> Floats:
     return angles
 
 
+def near_plane(planes: Planes, plane: Floats, limits: tuple[float, float]) -> Booleans:
+    """Tell which planes nearly repeat one plane.
+
+    Parameters
+    ----------
+    planes : (k, 4) float
+        Unit normals and offsets; the origin near the middle of the cloud.
+    plane : (4,) float
+        Unit normal and offset.
+    limits : pair of float
+        Angle in radians and difference of offsets, both of which have to be smaller.
+
+    Returns
+    -------
+    (k,) bool
+    """
+    signs = np.where(planes[:, :3] @ plane[:3] < 0.0, -1.0, 1.0)
+    shifts = np.abs(signs * planes[:, 3] - plane[3])
+    near: Booleans = (plane_angles(planes, plane) < limits[0]) & (shifts < limits[1])
+    return near
+
+
 def distinct_planes(planes: Planes, scores: Floats, same: tuple[float, float]) -> Indices:
     """Return the planes without those that nearly repeat a better one.
 
@@ -147,9 +170,6 @@ def distinct_planes(planes: Planes, scores: Floats, same: tuple[float, float]) -
     """
     kept: list[int] = []
     for row in np.argsort(-scores, kind="stable"):
-        better = planes[kept]
-        signs = np.where(better[:, :3] @ planes[row, :3] < 0.0, -1.0, 1.0)
-        shifts = np.abs(signs * better[:, 3] - planes[row, 3])
-        if not ((plane_angles(better, planes[row]) < same[0]) & (shifts < same[1])).any():
+        if not near_plane(planes[kept], planes[row], same).any():
             kept.append(int(row))
     return np.array(kept, dtype=np.int64)

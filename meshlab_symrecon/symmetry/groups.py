@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshlab_symrecon.arrays import Floats, Indices, Planes
-from meshlab_symrecon.geometry.planes import plane_angles
+from meshlab_symrecon.geometry.planes import near_plane, plane_angles
 from meshlab_symrecon.symmetry.cascade import TOLERANCE, refine_nearby
 from meshlab_symrecon.symmetry.hypotheses import VARIANT, Hypotheses
 from meshlab_symrecon.symmetry.preparation import PreparedCloud
@@ -46,10 +46,7 @@ def group_images(cloud: PreparedCloud, found: Hypotheses) -> Planes:
     new: list[Floats] = []
     for image in images:
         known = np.concatenate([found.planes, np.array(new).reshape(-1, 4)])
-        apart = plane_angles(known, image) > VARIANT[0]
-        sign = np.where(known[:, :3] @ image[:3] < 0.0, -1.0, 1.0)
-        apart |= np.abs(sign * known[:, 3] - image[3]) > VARIANT[1]
-        if apart.all():
+        if not near_plane(known, image, VARIANT).any():
             new.append(image)
     return refine_nearby(cloud, np.array(new).reshape(-1, 4)) if new else np.zeros((0, 4))
 

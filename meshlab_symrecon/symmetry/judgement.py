@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshlab_symrecon.arrays import Floats, Planes
-from meshlab_symrecon.geometry.planes import distinct_planes, plane_angles
+from meshlab_symrecon.geometry.planes import distinct_planes, near_plane, plane_angles
 from meshlab_symrecon.symmetry.cascade import (
     TOLERANCE,
     refine_and_verify,
@@ -145,10 +145,7 @@ def _at_rims(cloud: PreparedCloud, drawn: Planes, found: Hypotheses) -> Hypothes
     planes, chances = found.planes.copy(), found.chances.copy()
     for rim in rim_planes(cloud):
         chance = half_confidence(examine_halves(rim[np.newaxis], cloud))[0]
-        signs = np.where(drawn[:, :3] @ rim[:3] < 0.0, -1.0, 1.0)
-        meant = plane_angles(drawn, rim) < DRAWN[0]
-        meant &= np.abs(signs * drawn[:, 3] - rim[3]) < DRAWN[1]
-        meant &= chance > chances
+        meant = near_plane(drawn, rim, DRAWN) & (chance > chances)
         planes[meant], chances[meant] = rim, chance
     evidence = examine(planes, cloud, len(cloud.samples), TOLERANCE, exact=True)
     return Hypotheses(planes, evidence, chances)

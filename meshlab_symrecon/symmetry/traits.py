@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Planes
-from meshlab_symrecon.geometry.planes import plane_angles
+from meshlab_symrecon.geometry.planes import near_plane
 from meshlab_symrecon.symmetry.preparation import PreparedCloud
 from meshlab_symrecon.symmetry.relief import relief_agreement
 from meshlab_symrecon.symmetry.verification import Evidence, Landings, examine, land
@@ -197,10 +197,7 @@ def _lead(planes: Planes, evidence: Evidence) -> Floats:
     filling = np.full(RIVALS, CHANCE_MERIT)
     lead = np.zeros(len(planes))
     for row, plane in enumerate(planes):
-        sign = np.where(planes[:, :3] @ plane[:3] < 0.0, -1.0, 1.0)
-        other = plane_angles(planes, plane) > VARIANT[0]
-        other |= np.abs(sign * planes[:, 3] - plane[3]) > VARIANT[1]
-        other &= ~(whole[row] & whole)
+        other = ~near_plane(planes, plane, VARIANT) & ~(whole[row] & whole)
         rivals = np.sort(np.append(ordering[other], filling))[-RIVALS:]
         lead[row] = ordering[row] - rivals.mean()
     return lead
