@@ -6,7 +6,7 @@ import numpy as np
 
 from meshlab_symrecon.arrays import Booleans, Floats, Points
 
-__all__ = ["NOT_BROKEN", "broken_off", "on_plane", "rim_plane", "rim_reach"]
+__all__ = ["FEWEST_RIM", "NOT_BROKEN", "broken_off", "on_plane", "rim_plane", "rim_reach"]
 
 # Lengths are in diagonals of the cloud.
 RIM_SPACINGS, LEAST_RIM = 1.5, 0.008  # distance from the plane within which a rim point is on it
@@ -18,6 +18,7 @@ LEAST_SHARE = 0.5  # of the rim on the plane of a break
 MOST_BEYOND = 0.01  # share of the cloud beyond it
 RAGGED = 2.0  # spacings over which a break ends
 NOT_BROKEN = np.array([0.0, 0.0, 0.0, 1.0])  # everything lies above this plane
+NOT_BROKEN.setflags(write=False)
 
 
 def rim_reach(spacing: float) -> float:

@@ -17,7 +17,7 @@ VARIANT = (np.radians(8.0), 0.06)  # angle and offset of two planes of which at 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hypotheses:
-    """Planes, in the coordinates of the prepared cloud, best first."""
+    """Planes, in the coordinates of the prepared cloud; `best_first` orders them."""
 
     planes: Planes  # (k, 4)
     evidence: Evidence

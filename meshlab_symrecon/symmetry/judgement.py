@@ -87,7 +87,8 @@ def judge_again(found: Hypotheses, cloud: PreparedCloud, whole: PreparedCloud) -
     measured = traits(planes, evidence, whole, TOLERANCE)
     chances = confidence(measured, evidence, len(whole.samples), broken=whole.broken)
     better = np.maximum(found.chances, chances)
-    return best_first(consistent(cloud, Hypotheses(found.planes, found.evidence, better)))
+    raised = best_first(Hypotheses(found.planes, found.evidence, better))
+    return best_first(consistent(cloud, raised))
 
 
 def _polished(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
@@ -188,9 +189,8 @@ def _with_halves(cloud: PreparedCloud, found: Hypotheses) -> Hypotheses:
 
 def _joined(found: Hypotheses, cloud: PreparedCloud, planes: Planes, chances: Floats) -> Hypotheses:
     evidence = examine(planes, cloud, len(cloud.samples), TOLERANCE, exact=True)
-    order = np.argsort(-np.concatenate([found.chances, chances]), kind="stable")
     return Hypotheses(
-        np.concatenate([found.planes, planes])[order],
-        found.evidence.joined(evidence).take(order),
-        np.concatenate([found.chances, chances])[order],
+        np.concatenate([found.planes, planes]),
+        found.evidence.joined(evidence),
+        np.concatenate([found.chances, chances]),
     )

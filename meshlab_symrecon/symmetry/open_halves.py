@@ -8,18 +8,17 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from meshlab_symrecon.arrays import Floats, Indices, Planes
-from meshlab_symrecon.symmetry.breaks import rim_reach
+from meshlab_symrecon.symmetry.breaks import FEWEST_RIM, rim_reach
 from meshlab_symrecon.symmetry.preparation import PreparedCloud
 
 __all__ = ["HalfEvidence", "examine_halves", "rim_planes"]
 
 # Lengths are in diagonals of the prepared cloud.
-FEWEST_RIM = 30  # points
 RIM_INSIDE = 1.0  # spacings: the outermost samples end that far before the cut
 AROUND = 8.0  # spacings about a rim point in which the surface's turning is followed,
 WHOLE = 2.0  # by normals at least so many spacings from the rim: nearer ones are one-sided
 SAME_SIDE = 0.3  # cosine between normals of the same sheet
-FEWEST_AROUND = 8.0  # spacings about a rim point in which the surface's turning is followed,
+FEWEST_AROUND = 8  # of those points
 MOSTLY = 0.6  # share of the rim points that has to tell
 TINY = float(np.finfo(np.float64).tiny)
 

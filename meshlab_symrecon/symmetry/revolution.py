@@ -62,9 +62,8 @@ def revolution_axis(planes: Planes, agreement: Floats) -> Axis | None:
     best: Booleans = np.zeros(len(good), dtype=bool)
     for row, plane in enumerate(good):
         for other in good[row + 1 :]:
-            axis = _common_line(np.stack([plane, other]))
             if np.linalg.norm(np.cross(plane[:3], other[:3])) > LEAST_CROSSING:
-                through = on_axis(good, axis)
+                through = on_axis(good, _common_line(np.stack([plane, other])))
                 best = through if through.sum() > best.sum() else best
     if best.sum() < FEWEST_PLANES:
         return None

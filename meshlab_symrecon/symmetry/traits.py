@@ -8,8 +8,15 @@ from scipy.spatial import cKDTree
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Planes
 from meshlab_symrecon.geometry.planes import near_plane
 from meshlab_symrecon.symmetry.preparation import PreparedCloud
-from meshlab_symrecon.symmetry.relief import relief_agreement
-from meshlab_symrecon.symmetry.verification import Evidence, Landings, examine, land
+from meshlab_symrecon.symmetry.relief import NEAR, NEAR_SPACINGS, relief_agreement
+from meshlab_symrecon.symmetry.verification import (
+    BEYOND,
+    RIM_REACH,
+    Evidence,
+    Landings,
+    examine,
+    land,
+)
 
 __all__ = ["TRAITS", "merit", "traits", "whole_symmetry"]
 
@@ -40,9 +47,6 @@ FEW_EXCUSED = 0.25  # fewer only say that little is missing
 ENOUGH_SUPPORT = 0.4  # more only says that less is missing
 CONTRADICTION_SCALE = 0.02  # contradiction at which cleanness has fallen to 1 / e
 NEAR_MISS, NEAR_MISS_SPACINGS = 0.02, 3.0  # off the surface: diagonals, and at least spacings
-BEYOND = 0.25
-RIM_REACH = 1.5
-CLOSE, CLOSE_SPACINGS = 0.02, 2.5  # partners close enough to compare normals
 OFF_PLANE = 0.999  # weight of samples that do not match themselves
 LARGEST_TURN = 45.0
 REGIONS = 40
@@ -164,7 +168,7 @@ def _worst_regions(landings: Landings, places: Floats) -> Floats:
 
 
 def _turn(landings: Landings, spacing: float) -> Floats:
-    close = landings.distances < max(CLOSE, CLOSE_SPACINGS * spacing)
+    close = landings.distances < max(NEAR, NEAR_SPACINGS * spacing)
     close &= ~landings.excused & ~landings.broken_off & (landings.weights > OFF_PLANE)
     angles = np.degrees(np.arccos(np.clip(np.abs(landings.cosines), 0.0, 1.0)))
     turns = np.full(len(angles), LARGEST_TURN)
