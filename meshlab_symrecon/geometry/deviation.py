@@ -14,6 +14,7 @@ from meshlab_symrecon.geometry.surfaces import face_normals
 __all__ = [
     "Facing",
     "Heights",
+    "first_alike",
     "heights_over_cloud",
     "heights_over_mesh",
     "unit_rows",
@@ -72,7 +73,7 @@ def heights_over_cloud(
     facing : Facing
         Which samples count.
     """
-    corners = np.repeat(np.arange(len(points), dtype=np.int32), CORNERS).reshape(-1, CORNERS)
+    corners = np.repeat(np.arange(len(points)), CORNERS).reshape(-1, CORNERS)
     nearest, _ = _closest(places, directions, (points, corners, normals), facing)
     found = np.flatnonzero(nearest >= 0)
     offsets = places[found] - points[nearest[found]]
@@ -145,6 +146,17 @@ def vertex_normals(points: Points, faces: Faces) -> Points:
     return unit_rows(sums)
 
 
+def first_alike(points: Points) -> Indices:
+    """Return (n,) the first point, by index, that is in the same place as each point."""
+    order = canonical_order(points)
+    steps = (points[order[1:]] != points[order[:-1]]).any(axis=1)
+    starts = np.flatnonzero(np.append(True, steps))
+    first: Indices = np.zeros(len(points), dtype=np.int64)
+    least = np.minimum.reduceat(order, starts)
+    first[order] = np.repeat(least, np.diff(starts, append=len(order)))
+    return first
+
+
 def welded(points: Points, faces: Faces) -> tuple[Faces, Indices]:
     """Join the vertices of a mesh that coincide to the last bit, as along the seam of a texture.
 
@@ -160,12 +172,7 @@ def welded(points: Points, faces: Faces) -> tuple[Faces, Indices]:
     vertex : (n,) int
         That first vertex of each.
     """
-    order = canonical_order(points)
-    steps = (points[order[1:]] != points[order[:-1]]).any(axis=1)
-    vertex = np.zeros(len(points), dtype=np.int64)
-    starts = np.flatnonzero(np.append(True, steps))
-    least = np.minimum.reduceat(order, starts)
-    vertex[order] = np.repeat(least, np.diff(starts, append=len(order)))
+    vertex = first_alike(points)
     joined = vertex[faces]
     whole = (joined != np.roll(joined, 1, axis=1)).all(axis=1)
     return joined[whole], vertex
@@ -175,7 +182,7 @@ def _closest(
     places: Points, directions: Points, surface: tuple[Points, Faces, Points], facing: Facing
 ) -> tuple[Indices, Floats]:
     """Return the closest face that counts, -1 for none, and the weights of its later corners."""
-    order = _native.curve_order(np.ascontiguousarray(places))  # one search begins at the last one
+    order = _nearby_order(places)
     points, faces, normals = surface
     found, shares = _native.closest_faces(
         np.ascontiguousarray(points),
@@ -191,6 +198,16 @@ def _closest(
     weights = np.zeros((len(places), 2))
     nearest[order], weights[order] = found, shares
     return nearest, weights
+
+
+def _nearby_order(places: Points) -> Indices:
+    """Order places so that the next one is near: a search begins where the last one ended."""
+    order = _native.curve_order(np.ascontiguousarray(places)).astype(np.int64)
+    if len(order) == len(places):
+        return order
+    left_out = np.ones(len(places), dtype=bool)  # a place that repeats an earlier one
+    left_out[order] = False
+    return np.concatenate([order, np.flatnonzero(left_out)])
 
 
 def _aside(offsets: Points, heights: Floats) -> Floats:

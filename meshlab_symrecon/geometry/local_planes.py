@@ -37,7 +37,7 @@ def local_planes(points: Points) -> LocalPlanes:
     Parameters
     ----------
     points : (n, 3) float
-        The cloud, of at least three points.
+        The cloud, of at least three points, no two of them in one place.
     """
     order = _native.curve_order(np.ascontiguousarray(points))  # neighbours in memory, too
     cloud = points[order]

@@ -52,9 +52,7 @@ def _text(attributes: Mapping[str, str]) -> str:
     return " ".join(attributes[part] for part in spread)
 
 
-def record(
-    mesh_set: Any, item: Filter, parameters: ParameterSet, native_steps: int = 0
-) -> bool:
+def record(mesh_set: Any, item: Filter, parameters: ParameterSet, native_steps: int = 0) -> bool:
     """Append a step of ours to the history; return False when the history cannot be rewritten.
 
     A history that holds a camera cannot be: the native reader would abort. Ours takes the place of

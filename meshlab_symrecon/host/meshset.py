@@ -131,9 +131,7 @@ def check_addable(layer: Layer) -> None:
         raise HostError(message)
 
 
-def attribute_names(
-    mesh_set: Any, identifier: int, prefix: str = SCALAR_PREFIX
-) -> tuple[str, ...]:
+def attribute_names(mesh_set: Any, identifier: int, prefix: str = SCALAR_PREFIX) -> tuple[str, ...]:
     """List a layer's custom attributes of one kind, in lower case.
 
     pymeshlab only tells them among the current layer's options for PLY files.

@@ -13,6 +13,7 @@ from meshlab_symrecon.arrays import (
     Booleans,
     Faces,
     Floats,
+    Indices,
     Points,
     as_faces,
     as_normals,
@@ -24,6 +25,7 @@ from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
 from meshlab_symrecon.geometry.deviation import (
     Facing,
     Heights,
+    first_alike,
     heights_over_cloud,
     heights_over_mesh,
     vertex_normals,
@@ -43,7 +45,7 @@ Progress: TypeAlias = Callable[[float, str], None]
 TOLERANCE = 0.005  # what counts as symmetric
 FARTHEST = 0.05  # a surface farther from the mirror image is another part, not its counterpart
 UNSIDED_COSINE = 0.5  # between axes of normals that face the same way, when sides are not known
-REACH_SPACINGS = 3.0  # off to the side of the nearest sample, an image is over a hole
+REACH_SPACINGS = 2.5  # off to the side of the nearest sample, an image is over a hole
 SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
 RIM_REACH = 0.005  # off to the side of the border of a mesh, an image is over a hole
 SLANT = 0.36  # tangent of 20 degrees: farther from the surface, that much more to the side
@@ -122,7 +124,8 @@ def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
     mirror = as_planes(np.atleast_2d(np.asarray(plane, dtype=np.float64)))[0]
     triangles = as_faces(np.zeros((0, 3)) if faces is None else faces, len(scan))
     hints = None if normals is None else as_normals(normals, len(scan))
-    rows = np.arange(len(scan)) if chosen is None else _rows(chosen, len(scan))
+    everything = np.ones(len(scan), dtype=np.bool_)
+    rows = _rows(everything if chosen is None else chosen, len(scan))
 
     report = progress or _silent
     report(0.0, "looking at the surface")
@@ -151,7 +154,7 @@ def _silent(fraction: float, message: str) -> None:
     """Report progress to nobody."""
 
 
-def _rows(chosen: ArrayLike, count: int) -> Floats:
+def _rows(chosen: ArrayLike, count: int) -> Indices:
     flags = np.asarray(chosen)
     if flags.shape != (count,) or flags.dtype != np.bool_:
         message = (
@@ -164,17 +167,21 @@ def _rows(chosen: ArrayLike, count: int) -> Floats:
 
 def _over_cloud(
     points: Points, given: Points | None, farthest: float
-) -> Callable[[Floats, Floats], _Measured]:
+) -> Callable[[Indices, Floats], _Measured]:
     """Return what measures rows of a cloud against its mirror image across a plane."""
-    planes = local_planes(points)
-    normals, sided = outward_normals(points, planes.normals, given)
+    distinct, sample = np.unique(first_alike(points), return_inverse=True)
+    samples = points[distinct]
+    planes = local_planes(samples)
+    hints = None if given is None else given[distinct]
+    normals, sided = outward_normals(samples, planes.normals, hints)
     low, high = (factor * float(np.median(planes.spacing)) for factor in SPACING_RANGE)
     reach = REACH_SPACINGS * np.clip(planes.spacing, low, high)
     facing = Facing(0.0 if sided else UNSIDED_COSINE, sided, farthest)
 
-    def measure(rows: Floats, plane: Floats) -> _Measured:
-        images, directions = reflect(points[rows], plane), reflect_directions(normals[rows], plane)
-        found = heights_over_cloud(images, directions, points, normals, facing)
+    def measure(rows: Indices, plane: Floats) -> _Measured:
+        images = reflect(points[rows], plane)
+        directions = reflect_directions(normals[sample.reshape(-1)[rows]], plane)
+        found = heights_over_cloud(images, directions, samples, normals, facing)
         over = found.aside <= np.maximum(reach[found.nearest], SLANT * np.abs(found.heights))
         return _signed(found, over, sided)
 
@@ -183,7 +190,7 @@ def _over_cloud(
 
 def _over_mesh(
     points: Points, faces: Faces, farthest: float
-) -> Callable[[Floats, Floats], _Measured]:
+) -> Callable[[Indices, Floats], _Measured]:
     """Return what measures vertices of a mesh against its mirror image across a plane."""
     surface, vertex = welded(points, faces)
     normals = vertex_normals(points, surface)
@@ -193,7 +200,7 @@ def _over_mesh(
         surface, normals = surface[:, ::-1], -normals
     facing = Facing(0.0 if sided else UNSIDED_COSINE, sided, farthest)
 
-    def measure(rows: Floats, plane: Floats) -> _Measured:
+    def measure(rows: Indices, plane: Floats) -> _Measured:
         directions = reflect_directions(normals[vertex[rows]], plane)
         found = heights_over_mesh(reflect(points[rows], plane), directions, points, surface, facing)
         slant = np.where(found.on_rim, SLANT, STEEP_SLANT)
@@ -206,10 +213,12 @@ def _over_mesh(
 def _winding(points: Points, normals: Points, faces: Faces) -> int:
     """Return 1 when the faces of a mesh face outwards, -1 when inwards, 0 when they contradict."""
     agreement = agreement_with_shape(points, normals)
-    if agreement is not None and not topology(faces).oriented:
-        if 1.0 - CONSISTENT < agreement < CONSISTENT:
-            return 0
-    return -1 if agreement is not None and agreement < HALF else 1
+    if agreement is None:
+        return 1
+    doubtful = 1.0 - CONSISTENT < agreement < CONSISTENT
+    if doubtful and not topology(faces).oriented:
+        return 0
+    return 1 if agreement >= HALF else -1
 
 
 def _signed(found: Heights, over: Booleans, sided: bool) -> _Measured:
