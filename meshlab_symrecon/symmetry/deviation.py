@@ -34,7 +34,7 @@ from meshlab_symrecon.geometry.deviation import (
 from meshlab_symrecon.geometry.local_planes import local_planes
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions
 from meshlab_symrecon.geometry.sampling import principal_frame
-from meshlab_symrecon.geometry.surfaces import topology
+from meshlab_symrecon.geometry.surfaces import enclosed_volume, topology
 from meshlab_symrecon.symmetry.sides import CONSISTENT, agreement_with_shape, outward_normals
 
 __all__ = ["FARTHEST", "TOLERANCE", "MirrorDeviation", "mirror_deviation"]
@@ -50,7 +50,6 @@ SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is be
 RIM_REACH = 0.005  # off to the side of the border of a mesh, an image is over a hole
 SLANT = 0.36  # tangent of 20 degrees: farther from the surface, that much more to the side
 STEEP_SLANT = 1.73  # tangent of 60 degrees: over an edge of a mesh, places lie off to its side
-HALF = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,7 +137,7 @@ def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
         measure = _over_mesh(framed, triangles, farthest)
     else:
         measure = _over_cloud(framed, None if hints is None else hints @ axes.T, farthest)
-    report(HALF, "comparing with the mirror image")
+    report(0.5, "comparing with the mirror image")
     heights, counterpart, signed = measure(rows, level)
     distances, has_counterpart = np.zeros(len(scan)), np.zeros(len(scan), dtype=bool)
     distances[rows] = diagonal * np.where(counterpart, heights, 0.0)
@@ -194,7 +193,7 @@ def _over_mesh(
     """Return what measures vertices of a mesh against its mirror image across a plane."""
     surface, vertex = welded(points, faces)
     normals = vertex_normals(points, surface)
-    outwards = _winding(points[np.unique(surface)], normals[np.unique(surface)], surface)
+    outwards = _winding(points, normals, surface)
     sided = outwards != 0
     if outwards < 0:
         surface, normals = surface[:, ::-1], -normals
@@ -211,14 +210,20 @@ def _over_mesh(
 
 
 def _winding(points: Points, normals: Points, faces: Faces) -> int:
-    """Return 1 when the faces of a mesh face outwards, -1 when inwards, 0 when they contradict."""
-    agreement = agreement_with_shape(points, normals)
-    if agreement is None:
-        return 1
-    doubtful = 1.0 - CONSISTENT < agreement < CONSISTENT
-    if doubtful and not topology(faces).oriented:
-        return 0
-    return 1 if agreement >= HALF else -1
+    """Return 1 when the faces of a mesh face outwards, -1 when inwards, 0 when they contradict.
+
+    The volume tells it of a closed mesh; the winding of an open one is believed unless its shape
+    speaks clearly against it.
+    """
+    shape = topology(faces)
+    if shape.closed and shape.oriented:
+        return 1 if enclosed_volume(points, faces) >= 0.0 else -1
+    used = np.unique(faces)
+    agreement = agreement_with_shape(points[used], normals[used])
+    if agreement is not None and agreement <= 1.0 - CONSISTENT:
+        return -1
+    trusted = shape.oriented or (agreement is not None and agreement >= CONSISTENT)
+    return 1 if trusted else 0
 
 
 def _signed(found: Heights, over: Booleans, sided: bool) -> _Measured:
