@@ -6,6 +6,7 @@ vertices to it, to the last bit. The attribute stays, since nothing can remove i
 
 from __future__ import annotations
 
+import re
 from itertools import count
 from typing import Any
 
@@ -19,6 +20,7 @@ from meshlab_symrecon.plugin import VertexScalars
 
 __all__ = ["NATIVE_STEPS", "check_writable", "write_scalars"]
 
+PLAIN = re.compile("[a-z][a-z0-9_]*")  # what both MeshLab's formulas and its lists can tell
 NATIVE_STEPS = 1  # that each call of `write_scalars` leaves in the history
 POINT_PREFIX = "__ca_vp__"  # how the options of a PLY file list custom points of vertices
 
@@ -29,7 +31,8 @@ def check_writable(mesh_set: Any, scalars: VertexScalars) -> None:
     Raises
     ------
     HostError
-        There is no such layer, or an array has not one number a vertex.
+        There is no such layer, an array has not one number a vertex, or a name is not made of lower
+        case letters, digits and underscores.
     """
     if not mesh_set.mesh_id_exists(scalars.identifier):
         message = f"scalars for layer {scalars.identifier}, which is not in the document"
@@ -39,6 +42,9 @@ def check_writable(mesh_set: Any, scalars: VertexScalars) -> None:
         mesh.compact()
     vertices = mesh.vertex_number()
     for name, values in {scalars.name: scalars.quality, **scalars.attributes}.items():
+        if not PLAIN.fullmatch(name):
+            message = f"a custom attribute needs a name like 'my_attribute'; got {name!r}"
+            raise HostError(f"{message}; report this to the filter's author")
         if np.shape(values) != (vertices,):
             message = (
                 f"'{name}' of layer {scalars.identifier} needs {vertices} numbers, one a vertex; "
@@ -70,15 +76,9 @@ def write_scalars(mesh_set: Any, scalars: VertexScalars) -> None:
                 numbers = np.array(values, dtype=np.float64)
                 mesh.add_vertex_custom_scalar_attribute(numbers, plain + ending)
             apply_native(mesh_set, "compute_scalar_by_function_per_vertex", {"q": name})
-            written = mesh_set.current_mesh().vertex_scalar_array()
     finally:
-        mesh_set.set_current_mesh(current)
-    if not np.array_equal(written, scalars.quality, equal_nan=True):
-        message = (
-            f"MeshLab reads the name '{name}' as something else than the attribute; "
-            "report this to the filter's author"
-        )
-        raise HostError(message)
+        if current >= 0:
+            mesh_set.set_current_mesh(current)
 
 
 def _free_ending(mesh_set: Any, scalars: VertexScalars) -> str:

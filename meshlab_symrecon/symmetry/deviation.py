@@ -120,7 +120,7 @@ def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
             raise ParameterError(message)
     scan = as_points(points)
     require_solid(scan, "mirror deviation")
-    mirror = as_planes(np.atleast_2d(np.asarray(plane, dtype=np.float64)))[0]
+    mirror = as_planes([plane])[0]
     triangles = as_faces(np.zeros((0, 3)) if faces is None else faces, len(scan))
     hints = None if normals is None else as_normals(normals, len(scan))
     everything = np.ones(len(scan), dtype=np.bool_)
@@ -128,25 +128,43 @@ def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
 
     report = progress or _silent
     report(0.0, "looking at the surface")
-    centre, axes = principal_frame(scan)
-    turned = (scan - centre) @ axes.T
-    diagonal = robust_diagonal(turned)
-    framed = turned / diagonal
-    level = np.append(axes @ mirror[:3], (mirror[3] + mirror[:3] @ centre) / diagonal)
+    framed, frame = _in_own_frame(scan)
     if len(triangles):
         measure = _over_mesh(framed, triangles, farthest)
     else:
-        measure = _over_cloud(framed, None if hints is None else hints @ axes.T, farthest)
+        measure = _over_cloud(framed, None if hints is None else hints @ frame.axes.T, farthest)
     report(0.5, "comparing with the mirror image")
-    heights, counterpart, signed = measure(rows, level)
+    heights, counterpart, signed = measure(rows, frame.plane(mirror))
     distances, has_counterpart = np.zeros(len(scan)), np.zeros(len(scan), dtype=bool)
-    distances[rows] = diagonal * np.where(counterpart, heights, 0.0)
+    distances[rows] = frame.diagonal * np.where(counterpart, heights, 0.0)
     has_counterpart[rows] = counterpart
     report(1.0, "measured")
-    return _summed(distances, has_counterpart, tolerance * diagonal, signed)
+    return _summed(distances, has_counterpart, tolerance * frame.diagonal, signed)
 
 
 _Measured: TypeAlias = tuple[Floats, Booleans, bool]  # heights, which of them count, are signed
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Frame:
+    """Along the principal axes, of unit size: what is done in it follows every motion."""
+
+    centre: Floats  # (3,)
+    axes: Floats  # (3, 3)  rows, right-handed: faces do not turn over
+    diagonal: float
+
+    def plane(self, plane: Floats) -> Floats:
+        """Return a plane of the input in this frame."""
+        offset = (plane[3] + plane[:3] @ self.centre) / self.diagonal
+        return np.append(self.axes @ plane[:3], offset)
+
+
+def _in_own_frame(scan: Points) -> tuple[Points, _Frame]:
+    centre, axes = principal_frame(scan)
+    axes[2] *= np.sign(np.linalg.det(axes))
+    turned = (scan - centre) @ axes.T
+    diagonal = robust_diagonal(turned)
+    return turned / diagonal, _Frame(centre, axes, diagonal)
 
 
 def _silent(fraction: float, message: str) -> None:

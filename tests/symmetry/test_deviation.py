@@ -49,7 +49,8 @@ BUMPED = SPHERE * (1.0 + swelling(SPHERE))[:, None]
     "motion", [None, *shapes.MOTIONS], ids=lambda motion: motion.name if motion else "at rest"
 )
 def test_a_symmetric_mesh_has_no_deviation(motion):
-    points, faces = mirrored_mesh(*(lambda p, f: (p + [2.0, 0, 0], f))(*shapes.torus_mesh(40, 20)))
+    ring, triangles = shapes.torus_mesh(40, 20)
+    points, faces = mirrored_mesh(ring + np.array([2.0, 0.0, 0.0]), triangles)
     plane, size = X, 1.0
     if motion is not None:
         points, (plane,), size = motion(points), motion.planes(X[None]), motion.scale
@@ -273,6 +274,7 @@ def test_nothing_of_the_input_is_changed():
         ({"tolerance": 0.0}, ParameterError, "tolerance must be a positive share"),
         ({"farthest": np.nan}, ParameterError, "farthest must be a positive share"),
         ({"plane": [0.0, 0.0, 0.0, 1.0]}, GeometryError, "need a normal"),
+        ({"plane": [X, X]}, GeometryError, "planes must have shape"),
         ({"points": np.eye(3)}, GeometryError, "mirror deviation needs at least"),
         ({"points": np.outer(np.arange(9.0), X[:3])}, GeometryError, "on one line"),
         ({"faces": [[0, 1, 10**6]]}, GeometryError, "face indices must lie in"),
