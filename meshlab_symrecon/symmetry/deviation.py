@@ -120,7 +120,7 @@ def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
             raise ParameterError(message)
     scan = as_points(points)
     require_solid(scan, "mirror deviation")
-    mirror = as_planes([plane])[0]
+    mirror = as_planes(np.asarray(plane)[np.newaxis])[0]
     triangles = as_faces(np.zeros((0, 3)) if faces is None else faces, len(scan))
     hints = None if normals is None else as_normals(normals, len(scan))
     everything = np.ones(len(scan), dtype=np.bool_)
