@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Faces, Floats, Indices, Points
@@ -75,13 +77,11 @@ def heights_over_cloud(
     """
     corners = np.repeat(np.arange(len(points)), CORNERS).reshape(-1, CORNERS)
     nearest, _ = _closest(places, directions, (points, corners, normals), facing)
-    found = np.flatnonzero(nearest >= 0)
-    offsets = places[found] - points[nearest[found]]
-    upright = np.einsum("ij,ij->i", offsets, normals[nearest[found]])
-    heights, aside = np.zeros(len(places)), np.zeros(len(places))
-    heights[found] = upright
-    aside[found] = _aside(offsets, upright)
-    return Heights(nearest, heights, aside, np.zeros(len(places), dtype=bool))
+    known = nearest >= 0
+    offsets = np.where(known[:, np.newaxis], places - points[nearest], 0.0)
+    heights = np.einsum("ij,ij->i", offsets, normals[nearest])
+    nowhere = np.zeros(len(places), dtype=np.bool_)
+    return Heights(nearest, heights, _aside(offsets, heights), nowhere)
 
 
 def heights_over_mesh(
@@ -90,8 +90,9 @@ def heights_over_mesh(
     """Measure places against the closest point of the triangles that face the same way.
 
     Distances are exact. The sign is that of the angle-weighted pseudonormal at the closest point
-    (Baerentzen and Aanaes 2005), which is right on edges and corners too. At the border of an open
-    mesh the height over the plane of its border triangle counts.
+    (Baerentzen and Aanaes 2005), which is right on edges and corners too. It also decides which way
+    the surface faces there, so that the tip of a needle faces along the needle. At the border of an
+    open mesh the height over the plane of its border triangle counts.
 
     Parameters
     ----------
@@ -103,23 +104,25 @@ def heights_over_mesh(
     facing : Facing
         Which triangles count.
     """
-    normals = unit_rows(face_normals(points, faces))
-    nearest, weights = _closest(places, directions, (points, faces, normals), facing)
-    found = np.flatnonzero(nearest >= 0)
-    face, shares = nearest[found], weights[found]
-    corners = points[faces[face]]
-    feet = corners[:, 0] + np.einsum("mw,mwi->mi", shares, corners[:, 1:] - corners[:, :1])
-    offsets = places[found] - feet
-    pseudonormals, on_rim = _at_feet(points, faces, normals, face, shares)
-    along = np.einsum("ij,ij->i", offsets, pseudonormals)
-    over_plane = np.einsum("ij,ij->i", offsets, normals[face])
-    distance = np.copysign(np.linalg.norm(offsets, axis=1), along)
-    heights, aside = np.zeros(len(places)), np.zeros(len(places))
-    heights[found] = np.where(on_rim, over_plane, distance)
-    aside[found] = _aside(offsets, np.where(on_rim, over_plane, along))
-    rims = np.zeros(len(places), dtype=bool)
-    rims[found] = on_rim
-    return Heights(nearest, heights, aside, rims)
+    mesh = _Mesh(points, faces)
+    anyhow = Facing(0.0, facing.sided, facing.within)
+    found = mesh.feet(places, directions, anyhow)
+    cosines = np.einsum("ij,ij->i", found.normals, directions)
+    if not facing.sided:
+        cosines = np.abs(cosines)
+    turned = np.flatnonzero((found.faces >= 0) & (cosines < facing.least_cosine))
+    if len(turned):
+        found.replace(turned, mesh.feet(places[turned], directions[turned], facing))
+    known = found.faces >= 0
+    offsets = np.where(known[:, np.newaxis], places - found.places, 0.0)
+    along = np.einsum("ij,ij->i", offsets, found.normals)
+    over_plane = np.einsum("ij,ij->i", offsets, mesh.normals[found.faces])
+    upright = np.where(found.on_rim, over_plane, along)
+    distances = np.copysign(np.linalg.norm(offsets, axis=1), along)
+    heights = np.where(found.on_rim, over_plane, distances)
+    return Heights(
+        found.faces, np.where(known, heights, 0.0), _aside(offsets, upright), found.on_rim
+    )
 
 
 def unit_rows(vectors: Points) -> Points:
@@ -215,25 +218,59 @@ def _aside(offsets: Points, heights: Floats) -> Floats:
     return np.sqrt(across)
 
 
-def _at_feet(
-    points: Points, faces: Faces, normals: Points, face: Indices, shares: Floats
-) -> tuple[Points, Booleans]:
-    """Return pseudonormals of the closest points, and which lie on the border of the mesh."""
-    of_corner = np.column_stack([1.0 - shares.sum(axis=1), shares])
-    away = (of_corner <= 0.0).sum(axis=1)  # 0 within the face, 1 on an edge, 2 at a corner
-    pseudonormals = normals[face]
-    on_rim = np.zeros(len(face), dtype=bool)
-    edges = _Edges(faces, len(points))
-    on_edge = np.flatnonzero(away == 1)
-    off_corner = np.argmin(of_corner[on_edge], axis=1)
-    first, last = edges.around(CORNERS * face[on_edge] + (off_corner + 1) % CORNERS)
-    pseudonormals[on_edge] = unit_rows(edges.sum_of(normals, first, last))
-    on_rim[on_edge] = last - first == 1
-    at_corner = np.flatnonzero(away == 2)
-    vertices = faces[face[at_corner], np.argmax(of_corner[at_corner], axis=1)]
-    pseudonormals[at_corner] = vertex_normals(points, faces)[vertices]
-    on_rim[at_corner] = edges.rim_vertices()[vertices]
-    return pseudonormals, on_rim
+@dataclass(frozen=True, slots=True, eq=False)
+class _Feet:
+    """Closest points of a mesh; faces are -1, and the rest means nothing, where none counts."""
+
+    faces: Indices  # (m,)
+    places: Points  # (m, 3)
+    normals: Points  # (m, 3)  pseudonormals
+    on_rim: Booleans  # (m,)
+
+    def replace(self, rows: Indices, others: _Feet) -> None:
+        """Put others in the place of some."""
+        for mine, new in zip(self._arrays(), others._arrays(), strict=True):
+            mine[rows] = new
+
+    def _arrays(self) -> tuple[NDArray[Any], ...]:
+        return self.faces, self.places, self.normals, self.on_rim
+
+
+class _Mesh:
+    """Triangles, with the normals of their faces, edges and corners."""
+
+    def __init__(self, points: Points, faces: Faces) -> None:
+        self.points, self.faces = points, faces
+        self.normals = unit_rows(face_normals(points, faces))
+        self.vertex_normals = vertex_normals(points, faces)
+        self.edges = _Edges(faces, len(points))
+        self.rim_vertices = self.edges.rim_vertices()
+
+    def feet(self, places: Points, directions: Points, facing: Facing) -> _Feet:
+        """Return the closest points of the faces that count."""
+        surface = (self.points, self.faces, self.normals)
+        face, weights = _closest(places, directions, surface, facing)
+        corners = self.points[self.faces[face]]
+        shares = np.column_stack([1.0 - weights.sum(axis=1), weights])
+        feet = corners[:, 0] + np.einsum("mw,mwi->mi", weights, corners[:, 1:] - corners[:, :1])
+        normals, on_rim = self._at_feet(face, shares)
+        return _Feet(face, feet, normals, on_rim & (face >= 0))
+
+    def _at_feet(self, face: Indices, shares: Floats) -> tuple[Points, Booleans]:
+        """Return pseudonormals of the closest points, and which lie on the border."""
+        away = (shares <= 0.0).sum(axis=1)  # corners: 0 within the face, 1 on an edge, 2 at one
+        normals = self.normals[face]
+        on_rim = np.zeros(len(face), dtype=bool)
+        on_edge = np.flatnonzero(away == 1)
+        off_corner = np.argmin(shares[on_edge], axis=1)
+        first, last = self.edges.around(CORNERS * face[on_edge] + (off_corner + 1) % CORNERS)
+        normals[on_edge] = unit_rows(self.edges.sum_of(self.normals, first, last))
+        on_rim[on_edge] = last - first == 1
+        at_corner = np.flatnonzero(away == 2)
+        vertices = self.faces[face[at_corner], np.argmax(shares[at_corner], axis=1)]
+        normals[at_corner] = self.vertex_normals[vertices]
+        on_rim[at_corner] = self.rim_vertices[vertices]
+        return normals, on_rim
 
 
 class _Edges:

@@ -169,4 +169,3 @@ def _frame(camera: Camera, points: NDArray[np.float64]) -> tuple[Camera, tuple[i
     spans = np.maximum(np.ptp(points @ camera.axes().T, axis=0), 1e-12)
     width = int(np.clip(round(HEIGHT * spans[0] / spans[1] * 1.02), *WIDTHS))
     return fit(camera, points, (width, HEIGHT), margin=0.02), (width, HEIGHT)
-

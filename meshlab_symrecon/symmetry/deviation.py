@@ -44,7 +44,7 @@ Progress: TypeAlias = Callable[[float, str], None]
 # Lengths are in diagonals of the scan.
 TOLERANCE = 0.005  # what counts as symmetric
 FARTHEST = 0.05  # a surface farther from the mirror image is another part, not its counterpart
-UNSIDED_COSINE = 0.5  # between axes of normals that face the same way, when sides are not known
+FACING = 0.5  # cosine of 60 degrees, between normals that face the same way
 REACH_SPACINGS = 2.5  # off to the side of the nearest sample, an image is over a hole
 SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
 RIM_REACH = 0.005  # off to the side of the border of a mesh, an image is over a hole
@@ -193,7 +193,7 @@ def _over_cloud(
     normals, sided = outward_normals(samples, planes.normals, hints)
     low, high = (factor * float(np.median(planes.spacing)) for factor in SPACING_RANGE)
     reach = REACH_SPACINGS * np.clip(planes.spacing, low, high)
-    facing = Facing(0.0 if sided else UNSIDED_COSINE, sided, farthest)
+    facing = Facing(FACING, sided, farthest)
 
     def measure(rows: Indices, plane: Floats) -> _Measured:
         images = reflect(points[rows], plane)
@@ -215,7 +215,7 @@ def _over_mesh(
     sided = outwards != 0
     if outwards < 0:
         surface, normals = surface[:, ::-1], -normals
-    facing = Facing(0.0 if sided else UNSIDED_COSINE, sided, farthest)
+    facing = Facing(FACING, sided, farthest)
 
     def measure(rows: Indices, plane: Floats) -> _Measured:
         directions = reflect_directions(normals[vertex[rows]], plane)

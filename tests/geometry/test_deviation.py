@@ -76,13 +76,20 @@ def test_only_faces_that_face_the_same_way_count(seed):
         (Facing(0.9, sided=False), np.abs(cosines) >= 0.9),
         (Facing(0.9, within=0.4), (cosines >= 0.9) & (every <= 0.4)),
     ):
-        found = heights_over_mesh(places, directions, points, faces, facing)
+        nearest, weights = _native.closest_faces(
+            points, faces.astype(np.int32), unit_rows(face_normals(points, faces)), places,
+            directions, facing.least_cosine, facing.sided, facing.within,
+        )  # fmt: skip
         least = np.where(counts, every, np.inf).min(axis=1)
-        assert np.array_equal(found.nearest < 0, np.isinf(least))
-        rows = np.flatnonzero(found.nearest >= 0)
-        assert counts[rows, found.nearest[rows]].all()
-        np.testing.assert_allclose(every[rows, found.nearest[rows]], least[rows], rtol=1e-9)
-        assert not found.heights[found.nearest < 0].any()
+        assert np.array_equal(nearest < 0, np.isinf(least))
+        rows = np.flatnonzero(nearest >= 0)
+        assert counts[rows, nearest[rows]].all()
+        np.testing.assert_allclose(every[rows, nearest[rows]], least[rows], rtol=1e-9)
+        first, second = weights.T[:, rows]
+        corners = points[faces[nearest[rows]]].transpose(1, 2, 0)
+        feet = (1.0 - first - second) * corners[0] + first * corners[1] + second * corners[2]
+        apart = np.linalg.norm(feet.T - places[rows], axis=1)
+        np.testing.assert_allclose(apart, least[rows], rtol=1e-9)
 
 
 def signed_distance_to_cube(places):
@@ -97,6 +104,30 @@ def test_signed_distances_to_a_cube_are_exact_over_faces_edges_and_corners():
     found = heights_over_mesh(places, np.ones_like(places), CUBE, CUBE_FACES, NO_DIRECTION)
     np.testing.assert_allclose(found.heights, signed_distance_to_cube(places), atol=1e-14)
     assert not found.on_rim.any()
+
+
+def test_near_an_edge_the_side_that_faces_the_same_way_is_measured():
+    """Under the top of a cube, nearer to it than to the side, a place is still measured sideways."""
+    places = np.array([[0.7, 0.1, 0.9], [0.7, 0.1, 0.9], [1.2, 0.1, 0.9], [1.1, 0.1, 1.1]])
+    directions = np.eye(3)[[0, 2, 0, 0]]
+    found = heights_over_mesh(places, directions, CUBE, CUBE_FACES, Facing(0.5))
+    np.testing.assert_allclose(found.heights, [-0.3, -0.1, 0.2, np.sqrt(0.02)], atol=1e-15)
+    away = heights_over_mesh(places[:1], -np.eye(3)[:1], CUBE, CUBE_FACES, Facing(0.5, within=1.0))
+    assert away.nearest.tolist() == [-1]
+    assert away.heights.tolist() == away.aside.tolist() == [0.0]
+    assert away.on_rim.tolist() == [False]
+
+
+def test_the_tip_of_a_needle_faces_along_the_needle():
+    """None of the faces round it is within 60 degrees of that."""
+    ring = np.arange(7) * 2.0 * np.pi / 7.0
+    tip = np.vstack([np.column_stack([np.cos(ring), np.sin(ring), 0.0 * ring]), [[0.0, 0.0, 9.0]]])
+    faces = np.column_stack([np.arange(7), (np.arange(7) + 1) % 7, np.full(7, 7)])
+    places = np.array([[0.0, 0.0, 9.5], [0.0, 0.0, 9.0]])
+    up = np.tile([0.0, 0.0, 1.0], (2, 1))
+    assert (unit_rows(face_normals(tip, faces))[:, 2] < 0.2).all()
+    found = heights_over_mesh(places, up, tip, faces, Facing(0.5))
+    np.testing.assert_allclose(found.heights, [0.5, 0.0], atol=1e-15)
 
 
 def test_the_corners_of_a_cube_face_along_its_diagonals_whatever_the_triangles():
