@@ -107,7 +107,7 @@ def test_signed_distances_to_a_cube_are_exact_over_faces_edges_and_corners():
 
 
 def test_near_an_edge_the_side_that_faces_the_same_way_is_measured():
-    """Under the top of a cube, nearer to it than to the side, a place is still measured sideways."""
+    """Under the top of a cube, nearer to it than to the side, a place is measured sideways."""
     places = np.array([[0.7, 0.1, 0.9], [0.7, 0.1, 0.9], [1.2, 0.1, 0.9], [1.1, 0.1, 1.1]])
     directions = np.eye(3)[[0, 2, 0, 0]]
     found = heights_over_mesh(places, directions, CUBE, CUBE_FACES, Facing(0.5))
