@@ -25,13 +25,16 @@ from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
 from meshlab_symrecon.geometry.deviation import (
     Facing,
     Heights,
-    first_alike,
     heights_over_cloud,
     heights_over_mesh,
-    vertex_normals,
-    welded,
 )
 from meshlab_symrecon.geometry.local_planes import local_planes
+from meshlab_symrecon.geometry.mesh_edges import (
+    first_alike,
+    vertex_normals,
+    welded,
+    winding_conflicts,
+)
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions
 from meshlab_symrecon.geometry.sampling import principal_frame
 from meshlab_symrecon.geometry.surfaces import enclosed_volume, topology
@@ -48,6 +51,7 @@ FACING = 0.5  # cosine of 60 degrees, between normals that face the same way
 REACH_SPACINGS = 2.5  # off to the side of the nearest sample, an image is over a hole
 SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
 RIM_REACH = 0.005  # off to the side of the border of a mesh, an image is over a hole
+FEW_CONFLICTS = 0.02  # share of edges of a mesh whose faces may contradict each other
 SLANT = 0.36  # tangent of 20 degrees: farther from the surface, that much more to the side
 STEEP_SLANT = 1.73  # tangent of 60 degrees: over an edge of a mesh, places lie off to its side
 
@@ -130,9 +134,10 @@ def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
     report(0.0, "looking at the surface")
     framed, frame = _in_own_frame(scan)
     if len(triangles):
-        measure = _over_mesh(framed, triangles, farthest)
+        measure = _over_mesh(framed, welded(scan, triangles), farthest)
     else:
-        measure = _over_cloud(framed, None if hints is None else hints @ frame.axes.T, farthest)
+        turned = None if hints is None else hints @ frame.axes.T
+        measure = _over_cloud(framed, first_alike(scan), turned, farthest)
     report(0.5, "comparing with the mirror image")
     heights, counterpart, signed = measure(rows, frame.plane(mirror))
     distances, has_counterpart = np.zeros(len(scan)), np.zeros(len(scan), dtype=bool)
@@ -183,10 +188,10 @@ def _rows(chosen: ArrayLike, count: int) -> Indices:
 
 
 def _over_cloud(
-    points: Points, given: Points | None, farthest: float
+    points: Points, first: Indices, given: Points | None, farthest: float
 ) -> Callable[[Indices, Floats], _Measured]:
     """Return what measures rows of a cloud against its mirror image across a plane."""
-    distinct, sample = np.unique(first_alike(points), return_inverse=True)
+    distinct, sample = np.unique(first, return_inverse=True)
     samples = points[distinct]
     planes = local_planes(samples)
     hints = None if given is None else given[distinct]
@@ -206,10 +211,10 @@ def _over_cloud(
 
 
 def _over_mesh(
-    points: Points, faces: Faces, farthest: float
+    points: Points, joined: tuple[Faces, Indices], farthest: float
 ) -> Callable[[Indices, Floats], _Measured]:
     """Return what measures vertices of a mesh against its mirror image across a plane."""
-    surface, vertex = welded(points, faces)
+    surface, vertex = joined
     normals = vertex_normals(points, surface)
     outwards = _winding(points, normals, surface)
     sided = outwards != 0
@@ -240,8 +245,8 @@ def _winding(points: Points, normals: Points, faces: Faces) -> int:
     agreement = agreement_with_shape(points[used], normals[used])
     if agreement is not None and agreement <= 1.0 - CONSISTENT:
         return -1
-    trusted = shape.oriented or (agreement is not None and agreement >= CONSISTENT)
-    return 1 if trusted else 0
+    agrees = agreement is not None and agreement >= CONSISTENT
+    return 1 if agrees or winding_conflicts(faces) <= FEW_CONFLICTS else 0
 
 
 def _signed(found: Heights, over: Booleans, sided: bool) -> _Measured:

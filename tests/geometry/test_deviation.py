@@ -8,15 +8,8 @@ import shapes
 from scipy.spatial import ConvexHull, cKDTree
 
 from meshlab_symrecon import _native
-from meshlab_symrecon.geometry.deviation import (
-    Facing,
-    first_alike,
-    heights_over_cloud,
-    heights_over_mesh,
-    unit_rows,
-    vertex_normals,
-    welded,
-)
+from meshlab_symrecon.geometry.deviation import Facing, heights_over_cloud, heights_over_mesh
+from meshlab_symrecon.geometry.mesh_edges import first_alike, unit_rows, welded
 from meshlab_symrecon.geometry.surfaces import face_normals
 
 NO_DIRECTION = Facing(least_cosine=0.0, sided=False)  # everything counts
@@ -128,12 +121,6 @@ def test_the_tip_of_a_needle_faces_along_the_needle():
     assert (unit_rows(face_normals(tip, faces))[:, 2] < 0.2).all()
     found = heights_over_mesh(places, up, tip, faces, Facing(0.5))
     np.testing.assert_allclose(found.heights, [0.5, 0.0], atol=1e-15)
-
-
-def test_the_corners_of_a_cube_face_along_its_diagonals_whatever_the_triangles():
-    np.testing.assert_allclose(vertex_normals(CUBE, CUBE_FACES), CUBE / np.sqrt(3), atol=1e-15)
-    with_stray = np.vstack([CUBE, [[5.0, 5.0, 5.0]]])
-    assert not vertex_normals(with_stray, CUBE_FACES)[8].any()
 
 
 def test_beyond_the_border_of_an_open_mesh_the_height_over_its_plane_counts():
