@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Faces, Floats, Indices, Points
 from meshlab_symrecon.geometry.mesh_edges import Edges, unit_rows, vertex_normals
+from meshlab_symrecon.geometry.places import nearby_order
 from meshlab_symrecon.geometry.surfaces import face_normals
 
 __all__ = [
     "Facing",
     "Heights",
+    "TriangleSurface",
     "heights_over_cloud",
     "heights_over_mesh",
 ]
@@ -80,7 +82,7 @@ def heights_over_cloud(
 
 
 def heights_over_mesh(
-    places: Points, directions: Points, points: Points, faces: Faces, facing: Facing
+    places: Points, directions: Points, mesh: TriangleSurface, facing: Facing
 ) -> Heights:
     """Measure places against the closest point of the triangles that face the same way.
 
@@ -93,13 +95,11 @@ def heights_over_mesh(
     ----------
     places, directions : (m, 3) float
         What is measured, and the unit normal there; zero where it is not known.
-    points : (n, 3) float
-    faces : (k, 3) int
-        Counterclockwise seen from outside.
+    mesh : TriangleSurface
+        Its triangles counterclockwise seen from outside.
     facing : Facing
         Which triangles count.
     """
-    mesh = _Mesh(points, faces)
     anyhow = Facing(0.0, facing.sided, facing.within)
     found = mesh.feet(places, directions, anyhow)
     cosines = np.einsum("ij,ij->i", found.normals, directions)
@@ -124,7 +124,7 @@ def _closest(
     places: Points, directions: Points, surface: tuple[Points, Faces, Points], facing: Facing
 ) -> tuple[Indices, Floats]:
     """Return the closest face that counts, -1 for none, and the weights of its later corners."""
-    order = _nearby_order(places)
+    order = nearby_order(places)  # a search begins where the last one ended
     points, faces, normals = surface
     found, shares = _native.closest_faces(
         np.ascontiguousarray(points),
@@ -140,16 +140,6 @@ def _closest(
     weights = np.zeros((len(places), 2))
     nearest[order], weights[order] = found, shares
     return nearest, weights
-
-
-def _nearby_order(places: Points) -> Indices:
-    """Order places so that the next one is near: a search begins where the last one ended."""
-    order = _native.curve_order(np.ascontiguousarray(places)).astype(np.int64)
-    if len(order) == len(places):
-        return order
-    left_out = np.ones(len(places), dtype=bool)  # a place that repeats an earlier one
-    left_out[order] = False
-    return np.concatenate([order, np.flatnonzero(left_out)])
 
 
 def _aside(offsets: Points, heights: Floats) -> Floats:
@@ -175,8 +165,8 @@ class _Feet:
         return self.faces, self.places, self.normals, self.on_rim
 
 
-class _Mesh:
-    """Triangles, with the normals of their faces, edges and corners."""
+class TriangleSurface:
+    """Triangles (k, 3), with the normals of their faces, edges and corners."""
 
     def __init__(self, points: Points, faces: Faces) -> None:
         self.points, self.faces = points, faces

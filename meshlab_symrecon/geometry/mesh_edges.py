@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from meshlab_symrecon.arrays import Booleans, Faces, Indices, Points
-from meshlab_symrecon.geometry.sampling import canonical_order
+from meshlab_symrecon.geometry.places import first_alike
 from meshlab_symrecon.geometry.surfaces import face_normals
 
 __all__ = [
     "Edges",
-    "first_alike",
     "unit_rows",
     "vertex_normals",
     "welded",
@@ -43,17 +42,6 @@ def vertex_normals(points: Points, faces: Faces) -> Points:
         for axis in range(3):
             sums[:, axis] += np.bincount(here, angles * normals[:, axis], minlength=len(points))
     return unit_rows(sums)
-
-
-def first_alike(points: Points) -> Indices:
-    """Return (n,) the first point, by index, that is in the same place as each point."""
-    order = canonical_order(points)
-    steps = (points[order[1:]] != points[order[:-1]]).any(axis=1)
-    starts = np.flatnonzero(np.append(True, steps))
-    first: Indices = np.zeros(len(points), dtype=np.int64)
-    least = np.minimum.reduceat(order, starts)
-    first[order] = np.repeat(least, np.diff(starts, append=len(order)))
-    return first
 
 
 def welded(points: Points, faces: Faces) -> tuple[Faces, Indices]:

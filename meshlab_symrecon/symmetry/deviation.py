@@ -25,16 +25,13 @@ from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
 from meshlab_symrecon.geometry.deviation import (
     Facing,
     Heights,
+    TriangleSurface,
     heights_over_cloud,
     heights_over_mesh,
 )
 from meshlab_symrecon.geometry.local_planes import local_planes
-from meshlab_symrecon.geometry.mesh_edges import (
-    first_alike,
-    vertex_normals,
-    welded,
-    winding_conflicts,
-)
+from meshlab_symrecon.geometry.mesh_edges import welded, winding_conflicts
+from meshlab_symrecon.geometry.places import distinct_places
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions
 from meshlab_symrecon.geometry.sampling import principal_frame
 from meshlab_symrecon.geometry.surfaces import enclosed_volume, topology
@@ -137,7 +134,7 @@ def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
         measure = _over_mesh(framed, welded(scan, triangles), farthest)
     else:
         turned = None if hints is None else hints @ frame.axes.T
-        measure = _over_cloud(framed, first_alike(scan), turned, farthest)
+        measure = _over_cloud(framed, distinct_places(scan), turned, farthest)
     report(0.5, "comparing with the mirror image")
     heights, counterpart, signed = measure(rows, frame.plane(mirror))
     distances, has_counterpart = np.zeros(len(scan)), np.zeros(len(scan), dtype=bool)
@@ -188,13 +185,13 @@ def _rows(chosen: ArrayLike, count: int) -> Indices:
 
 
 def _over_cloud(
-    points: Points, first: Indices, given: Points | None, farthest: float
+    points: Points, distinct: tuple[Indices, Indices], given: Points | None, farthest: float
 ) -> Callable[[Indices, Floats], _Measured]:
     """Return what measures rows of a cloud against its mirror image across a plane."""
-    distinct, sample = np.unique(first, return_inverse=True)
-    samples = points[distinct]
+    chosen, sample = distinct
+    samples = points[chosen]
     planes = local_planes(samples)
-    hints = None if given is None else given[distinct]
+    hints = None if given is None else given[chosen]
     normals, sided = outward_normals(samples, planes.normals, hints)
     low, high = (factor * float(np.median(planes.spacing)) for factor in SPACING_RANGE)
     reach = REACH_SPACINGS * np.clip(planes.spacing, low, high)
@@ -202,7 +199,7 @@ def _over_cloud(
 
     def measure(rows: Indices, plane: Floats) -> _Measured:
         images = reflect(points[rows], plane)
-        directions = reflect_directions(normals[sample.reshape(-1)[rows]], plane)
+        directions = reflect_directions(normals[sample[rows]], plane)
         found = heights_over_cloud(images, directions, samples, normals, facing)
         over = found.aside <= np.maximum(reach[found.nearest], SLANT * np.abs(found.heights))
         return _signed(found, over, sided)
@@ -214,17 +211,17 @@ def _over_mesh(
     points: Points, joined: tuple[Faces, Indices], farthest: float
 ) -> Callable[[Indices, Floats], _Measured]:
     """Return what measures vertices of a mesh against its mirror image across a plane."""
-    surface, vertex = joined
-    normals = vertex_normals(points, surface)
-    outwards = _winding(points, normals, surface)
+    faces, vertex = joined
+    surface = TriangleSurface(points, faces)
+    outwards = _winding(points, surface.vertex_normals, faces)
     sided = outwards != 0
     if outwards < 0:
-        surface, normals = surface[:, ::-1], -normals
+        surface = TriangleSurface(points, faces[:, ::-1])
     facing = Facing(FACING, sided, farthest)
 
     def measure(rows: Indices, plane: Floats) -> _Measured:
-        directions = reflect_directions(normals[vertex[rows]], plane)
-        found = heights_over_mesh(reflect(points[rows], plane), directions, points, surface, facing)
+        directions = reflect_directions(surface.vertex_normals[vertex[rows]], plane)
+        found = heights_over_mesh(reflect(points[rows], plane), directions, surface, facing)
         slant = np.where(found.on_rim, SLANT, STEEP_SLANT)
         over = found.aside <= np.maximum(RIM_REACH, slant * np.abs(found.heights))
         return _signed(found, over, sided)
