@@ -1,0 +1,190 @@
+"""How well mirror completion fills what a scan lacks, over models, damage and seeds.
+
+    SYMRECON_DATA=FOLDER:... python benchmarks/completion.py [NAME ...]
+        [--conditions region occlusion cut blobs noise clutter] [--seeds 1 2 3] [--size 50000]
+        [--true-planes] [--quick] [--json FILE]
+
+prints a Markdown table for each condition, one line a model (means over the seeds), and which of
+the bars hold.  Without names, all models of SYMRECON_DATA that have a plane.  Scans are sampled and
+damaged by `completion_scans.py`; planes are those that ours detects on them, or the true ones.
+Each measure is a function of `completion_measures.py`.
+
+*best* is what the true plane can give: the measured points, and the image of the complete statue
+where the scan lacks it.  *scan* is no completion, *whole* adds the whole scan's mirror image.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+from completion_methods import ours
+from completion_rows import Row, row_of
+from completion_scans import CONDITIONS, case_of
+from symmetry_models import entries, model
+
+QUICK = ("nefertiti", "skull", "moai")
+SYMMETRIC = 0.5  # % of the diagonal
+LEAST = {"f": 0.97, "missing": 0.90}
+OF_BEST = 0.97  # where the true plane cannot give that much
+
+Column = Callable[[Row], float]
+POINTS: dict[str, tuple[Column, str]] = {
+    "plane °": (lambda row: row.plane[0], ".1f"),
+    "plane %": (lambda row: row.plane[1], ".2f"),
+    "asym. med %": (lambda row: row.asymmetric[0], ".2f"),
+    "asym. 95 %": (lambda row: row.asymmetric[1], ".2f"),
+    "F scan": (lambda row: row.before.f, ".3f"),
+    "F whole": (lambda row: row.whole.f, ".3f"),
+    "**F**": (lambda row: row.done.f, ".3f"),
+    "F best": (lambda row: row.best.f, ".3f"),
+    "P": (lambda row: row.done.precision, ".3f"),
+    "P best": (lambda row: row.best.precision, ".3f"),
+    "R": (lambda row: row.done.recall, ".3f"),
+    "missing scan": (lambda row: row.before.missing, ".3f"),
+    "missing whole": (lambda row: row.whole.missing, ".3f"),
+    "**missing**": (lambda row: row.done.missing, ".3f"),
+    "missing best": (lambda row: row.best.missing, ".3f"),
+    "H95": (lambda row: row.done.hausdorff95, ".2f"),
+    "H95 best": (lambda row: row.best.hausdorff95, ".2f"),
+    "H": (lambda row: row.done.hausdorff, ".1f"),
+    "H best": (lambda row: row.best.hausdorff, ".1f"),
+}
+JOIN: dict[str, tuple[Column, str]] = {
+    "normal °": (lambda row: row.angle, ".1f"),
+    "directed °": (lambda row: row.directed, ".1f"),
+    "normal best °": (lambda row: row.best_angle, ".1f"),
+    "scan's °": (lambda row: row.own_angle, ".1f"),
+    "seam": (lambda row: row.seam.spacing, ".2f"),
+    "off": (lambda row: row.seam.off, ".2f"),
+    "own off": (lambda row: row.seam.own_off, ".2f"),
+    "step %": (lambda row: row.seam.step, ".2f"),
+    "own": (lambda row: row.seam.own_step, ".2f"),
+    "rough": (lambda row: row.seam.roughness, ".2f"),
+    "invented": (lambda row: row.done.invented, ".4f"),
+    "inv. best": (lambda row: row.best.invented, ".4f"),
+    "inv. whole": (lambda row: row.whole.invented, ".3f"),
+    "added": (lambda row: row.share, ".2f"),
+    "CPU s": (lambda row: row.seconds, ".2f"),
+}
+
+Bar = tuple[Callable[[Row], bool], Callable[[Row], bool]]  # where it counts, whether it holds
+BARS: dict[str, Bar] = {
+    "F": (lambda row: True, lambda row: reaches(row, "f")),
+    "recall on the removed part": (lambda row: True, lambda row: reaches(row, "missing")),
+    "precision >= .98, median asymmetry <= .5 %": (
+        lambda row: row.asymmetric[0] <= SYMMETRIC,
+        lambda row: row.done.precision >= 0.98,
+    ),
+    "precision >= .98, 95 % asymmetry <= .5 %": (
+        lambda row: row.asymmetric[1] <= SYMMETRIC,
+        lambda row: row.done.precision >= 0.98,
+    ),
+    "median normal angle <= 8°": (
+        lambda row: np.isfinite(row.angle),
+        lambda row: row.angle <= 8.0,
+    ),
+    "seam spacing within 25 %": (
+        lambda row: np.isfinite(row.seam.spacing),
+        lambda row: abs(row.seam.spacing - 1.0) <= 0.25,
+    ),
+    "invented < 1 %": (lambda row: row.planes > 0, lambda row: row.done.invented < 0.01),
+    "invented < 1 % more than the true plane invents": (
+        lambda row: row.planes > 0,
+        lambda row: row.done.invented < row.best.invented + 0.01,
+    ),
+    "F above no completion": (
+        lambda row: row.planes > 0,
+        lambda row: row.done.f > row.before.f,
+    ),
+    "F above the whole mirror": (
+        lambda row: row.planes > 0,
+        lambda row: row.done.f >= row.whole.f - 1e-3,
+    ),
+}
+
+
+def reaches(row: Row, measure: str) -> bool:
+    """Tell whether a measure is high enough, or almost what the true plane can give."""
+    best = getattr(row.best, measure)
+    least = LEAST[measure] if best >= LEAST[measure] else OF_BEST * best
+    return getattr(row.done, measure) >= least
+
+
+# ----------------------------------------------------------------------------------------- tables
+
+
+def line(cells) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+def print_table(rows: list[Row], columns: dict[str, tuple[Column, str]]) -> None:
+    """One line a model: means over its seeds."""
+    print()
+    print(line(["model", "found", *columns]))
+    print(line(["---"] * (2 + len(columns))))
+    for name in dict.fromkeys(row.model for row in rows):
+        group = [row for row in rows if row.model == name]
+        found = f"{sum(row.planes > 0 for row in group)}/{len(group)}"
+        cells = []
+        for value, form in columns.values():
+            values = [value(row) for row in group if np.isfinite(value(row))]
+            cells.append(f"{np.mean(values):{form}}" if values else "-")
+        print(line([name, found, *cells]), flush=True)
+
+
+def print_bars(rows: list[Row], condition: str) -> None:
+    """Say how many scans each bar holds for, and for which it does not."""
+    print(f"\nBars, {condition}:\n")
+    for name, (counts, holds) in BARS.items():
+        judged = [row for row in rows if counts(row)]
+        failed = [f"{row.model} {row.seed}" for row in judged if not holds(row)]
+        words = f": not {', '.join(failed)}" if failed else ""
+        print(f"* {name}: {len(judged) - len(failed)}/{len(judged)}{words}")
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("--conditions", nargs="+", choices=CONDITIONS, default=["region"])
+    parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3])
+    parser.add_argument("--size", type=int, default=50_000, help="samples before the damage")
+    parser.add_argument("--true-planes", action="store_true", help="do not detect planes")
+    parser.add_argument("--quick", action="store_true", help="three models, one seed")
+    parser.add_argument("--json", type=Path, help="write all rows to this file")
+    options = parser.parse_args()
+    chosen = options.names or [name for name, (_, entry) in entries().items() if entry["planes"]]
+    if options.quick:
+        chosen, options.seeds = [n for n in QUICK if n in entries()], options.seeds[:1]
+    if not chosen:
+        parser.error("no models: SYMRECON_DATA names no folder that has planes.json and meshes")
+    kept: list[Row] = []
+    for condition in options.conditions:
+        rows = []
+        damage = replace(CONDITIONS[condition], count=options.size)
+        for name in chosen:
+            for seed in options.seeds:
+                case = case_of(model(name, seed), damage, seed)
+                done = ours(case.points, case.planes if options.true_planes else None)
+                rows.append(row_of((name, condition, seed), case, done))
+            print(".", end="", file=sys.stderr, flush=True)
+        print(file=sys.stderr)
+        print(f"\n## {condition}")
+        print_table(rows, POINTS)
+        print_table(rows, JOIN)
+        print_bars(rows, condition)
+        kept += rows
+    if options.json:
+        options.json.write_text(json.dumps([asdict(row) for row in kept], indent=1))
+
+
+if __name__ == "__main__":
+    main()
