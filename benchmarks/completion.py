@@ -2,7 +2,7 @@
 
     SYMRECON_DATA=FOLDER:... python benchmarks/completion.py [NAME ...]
         [--conditions region occlusion cut blobs noise clutter] [--seeds 1 2 3] [--size 50000]
-        [--true-planes] [--quick] [--json FILE]
+        [--true-planes] [--set blend=0.06 ...] [--surfaces] [--quick] [--json FILE]
 
 prints a Markdown table for each condition, one line a model (means over the seeds), and which of
 the bars hold.  Without names, all models of SYMRECON_DATA that have a plane.  Scans are sampled and
@@ -11,6 +11,9 @@ Each measure is a function of `completion_measures.py`.
 
 *best* is what the true plane can give: the measured points, and the image of the complete statue
 where the scan lacks it.  *scan* is no completion, *whole* adds the whole scan's mirror image.
+
+With ``--surfaces``, surfaces are compared instead, those of `completion_surfaces.py`: ours end to
+end, and what MeshLab makes of the scan as it is.
 """
 
 from __future__ import annotations
@@ -26,6 +29,7 @@ import numpy as np
 from completion_methods import ours
 from completion_rows import Row, row_of
 from completion_scans import CONDITIONS, case_of
+from completion_surfaces import SURFACES, Nearness, surfaces_of
 from symmetry_models import entries, model
 
 QUICK = ("nefertiti", "skull", "moai")
@@ -148,6 +152,41 @@ def print_bars(rows: list[Row], condition: str) -> None:
         print(f"* {name}: {len(judged) - len(failed)}/{len(judged)}{words}")
 
 
+def print_surfaces(rows: list[tuple[str, int, dict[str, Nearness]]]) -> None:
+    """One line a model: means over its seeds; and whether ours is the nearest one, and closed."""
+    print("\nMean distance % / Hausdorff distance % / F at 1 % / closed\n")
+    print(line(["model", *SURFACES]))
+    print(line(["---"] * (1 + len(SURFACES))))
+    for name in dict.fromkeys(name for name, _, _ in rows):
+        groups = [[found[way] for n, _, found in rows if n == name] for way in SURFACES]
+        print(line([name, *map(surface_cell, groups)]))
+    print()
+    unclosed = [f"{name} {seed}" for name, seed, found in rows if not found["ours"].closed]
+    print(f"* closed: {len(rows) - len(unclosed)}/{len(rows)} {', '.join(unclosed)}")
+    for way in list(SURFACES)[1:]:
+        for measure in ("mean", "hausdorff"):
+            lost = [
+                f"{name} {seed}"
+                for name, seed, found in rows
+                if getattr(found["ours"], measure) >= getattr(found[way], measure)
+            ]
+            words = f": not {', '.join(lost)}" if lost else ""
+            count = f"{len(rows) - len(lost)}/{len(rows)}"
+            print(f"* {measure} distance below that of *{way}*: {count}{words}")
+
+
+def surface_cell(group: list[Nearness]) -> str:
+    mean, hausdorff, f = (
+        np.mean([getattr(one, name) for one in group]) for name in ("mean", "hausdorff", "f")
+    )
+    return f"{mean:.2f} / {hausdorff:.1f} / {f:.3f} / {sum(one.closed for one in group)}"
+
+
+def setting(words: str) -> tuple[str, float | int]:
+    name, value = words.split("=")
+    return name, int(value) if value.lstrip("-").isdigit() else float(value)
+
+
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(
@@ -158,6 +197,8 @@ def main() -> None:
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3])
     parser.add_argument("--size", type=int, default=50_000, help="samples before the damage")
     parser.add_argument("--true-planes", action="store_true", help="do not detect planes")
+    parser.add_argument("--set", nargs="+", type=setting, default=[], metavar="NAME=VALUE")
+    parser.add_argument("--surfaces", action="store_true", help="compare surfaces instead")
     parser.add_argument("--quick", action="store_true", help="three models, one seed")
     parser.add_argument("--json", type=Path, help="write all rows to this file")
     options = parser.parse_args()
@@ -166,24 +207,37 @@ def main() -> None:
         chosen, options.seeds = [n for n in QUICK if n in entries()], options.seeds[:1]
     if not chosen:
         parser.error("no models: SYMRECON_DATA names no folder that has planes.json and meshes")
-    kept: list[Row] = []
-    for condition in options.conditions:
-        rows = []
-        damage = replace(CONDITIONS[condition], count=options.size)
-        for name in chosen:
-            for seed in options.seeds:
-                case = case_of(model(name, seed), damage, seed)
-                done = ours(case.points, case.planes if options.true_planes else None)
-                rows.append(row_of((name, condition, seed), case, done))
-            print(".", end="", file=sys.stderr, flush=True)
-        print(file=sys.stderr)
-        print(f"\n## {condition}")
-        print_table(rows, POINTS)
-        print_table(rows, JOIN)
-        print_bars(rows, condition)
-        kept += rows
+    kept = [one for condition in options.conditions for one in tables(condition, chosen, options)]
     if options.json:
-        options.json.write_text(json.dumps([asdict(row) for row in kept], indent=1))
+        options.json.write_text(json.dumps(kept, indent=1))
+
+
+def tables(condition: str, chosen: list[str], options: argparse.Namespace) -> list[dict]:
+    """Print the tables of a condition; return what they hold."""
+    rows, surfaces = [], []
+    damage = replace(CONDITIONS[condition], count=options.size)
+    for name in chosen:
+        for seed in options.seeds:
+            case = case_of(model(name, seed), damage, seed)
+            if options.surfaces:
+                surfaces.append((name, seed, surfaces_of(case)))
+                continue
+            planes = case.planes if options.true_planes else None
+            done = ours(case.points, planes, **dict(options.set))
+            rows.append(row_of((name, condition, seed), case, done))
+        print(".", end="", file=sys.stderr, flush=True)
+    print(f"\n## {condition}")
+    if options.surfaces:
+        print_surfaces(surfaces)
+        return [
+            {"model": name, "condition": condition, "seed": seed, "way": way, **asdict(one)}
+            for name, seed, found in surfaces
+            for way, one in found.items()
+        ]
+    print_table(rows, POINTS)
+    print_table(rows, JOIN)
+    print_bars(rows, condition)
+    return [asdict(row) for row in rows]
 
 
 if __name__ == "__main__":

@@ -25,8 +25,8 @@ class Completed:
     seconds: float = 0.0  # CPU time of the completion alone
 
 
-def ours(points, planes=None) -> Completed:
-    """Complete by the filters' defaults, across detected planes or given ones."""
+def ours(points, planes=None, **settings) -> Completed:
+    """Complete across detected planes or given ones; ``settings`` are the filter's parameters."""
     mesh_set = pymeshlab.MeshSet()
     mesh_set.add_mesh(pymeshlab.Mesh(points))
     mesh_set.compute_normal_for_point_clouds()
@@ -38,7 +38,7 @@ def ours(points, planes=None) -> Completed:
             mesh_set.add_mesh(pymeshlab.Mesh(*planes_as_quads(planes, points)), "reflection planes")
             mesh_set.set_current_mesh(0)
         started = time.process_time()
-        apply_filter(mesh_set, "generate_mirror_completed_points")
+        apply_filter(mesh_set, "generate_mirror_completed_points", **settings)
         seconds = time.process_time() - started
     mesh = mesh_set.current_mesh()
     mirrored = np.arange(mesh.vertex_number()) >= len(points)
