@@ -93,9 +93,17 @@ BARS: dict[str, Bar] = {
         lambda row: np.isfinite(row.angle),
         lambda row: row.angle <= 8.0,
     ),
+    "median normal angle <= 8°, or 2° above that of the scan's normals": (
+        lambda row: np.isfinite(row.angle),
+        lambda row: row.angle <= max(8.0, row.own_angle + 2.0),
+    ),
     "seam spacing within 25 %": (
         lambda row: np.isfinite(row.seam.spacing),
         lambda row: abs(row.seam.spacing - 1.0) <= 0.25,
+    ),
+    "at most a tenth of the seam out by more than 25 %, beyond the complete cloud's own": (
+        lambda row: np.isfinite(row.seam.spacing),
+        lambda row: row.seam.off <= row.seam.own_off + 0.1,
     ),
     "invented < 1 %": (lambda row: row.planes > 0, lambda row: row.done.invented < 0.01),
     "invented < 1 % more than the true plane invents": (

@@ -15,7 +15,7 @@ from meshlab_symrecon.geometry.planes import reflect
 SPACING_NEIGHBOURS = 4
 SEAM = 3.0  # spacings: points of the other kind as near as this make a point one of the seam
 BALL = 3.0  # spacings: density is counted within
-SURROUNDINGS = (4.0, 10.0)  # spacings from the seam
+SURROUNDINGS = (6.0, 12.0)  # spacings from the seam: their balls and those of the seam are apart
 COMPARED = 64  # points of the surroundings to which a point of the seam is compared
 SIDE = 8  # points of each kind whose mean heights are compared across the seam
 NOTHING = np.zeros((0, 3))
@@ -123,7 +123,7 @@ def seam_ratios(cloud, seam, spacing: float) -> np.ndarray:
     """Return the spacing at each point of a seam / the mean spacing of its surroundings, (s,).
 
     The spacing is that of the density in a ball of 3 spacings.  The surroundings are the 64 nearest
-    points that lie 4 to 10 spacings from the seam, on either side of it.
+    points that lie 6 to 12 spacings from the seam, on either side of it.
     """
     tree = cKDTree(cloud)
     gaps = cKDTree(cloud[seam]).query(cloud)[0] / spacing
@@ -172,19 +172,18 @@ def seam_quality(cloud, mirrored, sampled, heights, own_heights, diagonal: float
     own_mirrored, own_seam = mirrored[nearest], seam[nearest]
     ratios = seam_ratios(cloud, seam, spacing)
     own_ratios = seam_ratios(sampled, own_seam, spacing)
-    away = seam_far(cloud, seam, spacing) & mirrored
-    rough = rms(heights[away]) if away.sum() >= FEWEST else np.nan
+    rough = rms(heights[beyond_surroundings(cloud, seam, spacing) & mirrored])
     return Seam(
         spacing=float(np.median(ratios) / np.median(own_ratios)),
         off=float((np.abs(ratios - 1.0) > 0.25).mean()),
         own_off=float((np.abs(own_ratios - 1.0) > 0.25).mean()),
         step=100 * step(cloud, mirrored, seam, heights) / diagonal,
         own_step=100 * step(sampled, own_mirrored, own_seam, own_heights) / diagonal,
-        roughness=rms(heights[seam & mirrored]) / rough,
+        roughness=rms(heights[seam & mirrored]) / rough if rough > 0.0 else np.nan,
     )
 
 
-def seam_far(cloud, seam, spacing: float) -> np.ndarray:
+def beyond_surroundings(cloud, seam, spacing: float) -> np.ndarray:
     """Tell which points lie beyond the surroundings of a seam, (n,) bool."""
     return cKDTree(cloud[seam]).query(cloud)[0] > SURROUNDINGS[1] * spacing
 
