@@ -71,6 +71,8 @@ JOIN: dict[str, tuple[Column, str]] = {
     "own": (lambda row: row.seam.own_step, ".2f"),
     "rough": (lambda row: row.seam.roughness, ".2f"),
     "invented": (lambda row: row.done.invented, ".4f"),
+    "of strays": (lambda row: row.images_of[0], ".4f"),
+    "of plinth": (lambda row: row.images_of[1], ".4f"),
     "inv. best": (lambda row: row.best.invented, ".4f"),
     "inv. whole": (lambda row: row.whole.invented, ".3f"),
     "added": (lambda row: row.share, ".2f"),
@@ -109,6 +111,10 @@ BARS: dict[str, Bar] = {
     "invented < 1 % more than the true plane invents": (
         lambda row: row.planes > 0,
         lambda row: row.done.invented < row.best.invented + 0.01,
+    ),
+    "invented images of strays and plinth < 1 %": (
+        lambda row: row.planes > 0,
+        lambda row: sum(row.images_of) < 0.01,
     ),
     "F above no completion": (
         lambda row: row.planes > 0,

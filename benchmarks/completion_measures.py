@@ -199,10 +199,17 @@ def step(cloud, mirrored, seam, heights) -> float:
     return rms(sides[0] - sides[1])
 
 
-def heights_over(points, surface, surface_normals) -> np.ndarray:
-    """Return heights over a surface along the normal of its nearest sample, (n,)."""
-    nearest = cKDTree(surface).query(points)[1]
-    return np.einsum("ni,ni->n", points - surface[nearest], surface_normals[nearest])
+def heights_over(points, surface, surface_normals, within: float = np.inf) -> np.ndarray:
+    """Return heights over a surface along the normal of its nearest sample, (n,).
+
+    NaN for points that are not ``within`` a distance of the surface.
+    """
+    distances, nearest = cKDTree(surface).query(points, distance_upper_bound=within)
+    heights = np.full(len(points), np.nan)
+    near = np.isfinite(distances)
+    gaps = points[near] - surface[nearest[near]]
+    heights[near] = np.einsum("ni,ni->n", gaps, surface_normals[nearest[near]])
+    return heights
 
 
 def rms(values) -> float:

@@ -18,10 +18,12 @@ from completion_measures import (
 )
 from completion_methods import Completed, nothing, whole_mirror
 from completion_scans import Case
+from scipy.spatial import cKDTree
 
-from meshlab_symrecon.geometry.planes import reflect_directions
+from meshlab_symrecon.geometry.planes import reflect, reflect_directions
 
 NEAR = 0.01  # diagonals
+OFF = 0.03  # diagonals: what lies farther from the statue is no part of its seam
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,7 @@ class Row:
     best_angle: float  # of the complete statue's image across the true plane
     outward: bool  # whether the scan's are
     seam: Seam
+    images_of: tuple[float, float]  # shares: invented images of strays, and of the plinth
     share: float  # mirrored points / removed ones
     seconds: float  # CPU, of the completion
 
@@ -88,14 +91,8 @@ def row_of(names: tuple[str, str, int], case: Case, done: Completed) -> Row:
         own_angle=own[0],
         best_angle=best_angle,
         outward=sign > 0.0,
-        seam=seam_quality(
-            done.points,
-            mirrored,
-            case.sampled,
-            heights_over(done.points, *truth),
-            heights_over(case.sampled, *truth),
-            case.diagonal,
-        ),
+        seam=seam_at_statue(case, done),
+        images_of=images_of(case, done),
         share=mirrored.sum() / max(1, case.removed.sum()),
         seconds=done.seconds,
     )
@@ -122,6 +119,42 @@ def filled(case: Case, points, mirrored) -> Filled:
         most,
         1.0 - share_near(points[mirrored], case.truth, near),
     )
+
+
+def seam_at_statue(case: Case, done: Completed) -> Seam:
+    """Judge the seam on the statue, clutter left out."""
+    truth = (case.surface, case.surface_normals, OFF * case.diagonal)
+    heights = heights_over(done.points, *truth)
+    judged = np.isfinite(heights)
+    judged[: len(case.points)] &= ~case.stray
+    return seam_quality(
+        done.points[judged],
+        done.mirrored[judged],
+        case.sampled,
+        heights[judged],
+        heights_over(case.sampled, *truth),
+        case.diagonal,
+    )
+
+
+def images_of(case: Case, done: Completed) -> tuple[float, float]:
+    """Return the shares of mirrored points that are near nothing, and images of clutter.
+
+    The first, of strays; the second, of the plinth.  An image is that of the measured point nearest
+    to its own mirror image across one of the planes.
+    """
+    images = done.points[done.mirrored]
+    tree = cKDTree(case.truth)
+    far = np.isinf(tree.query(images, distance_upper_bound=NEAR * case.diagonal)[0])
+    if not far.any():
+        return 0.0, 0.0
+    measured = cKDTree(case.points)
+    found = [measured.query(reflect(images[far], plane)) for plane in done.planes]
+    gaps, sources = (np.stack(part) for part in zip(*found, strict=True))
+    source = sources[np.argmin(gaps, axis=0), np.arange(far.sum())]
+    stray = case.stray[source]
+    base = ~stray & (tree.query(case.points[source])[1] >= len(case.surface))
+    return stray.sum() / len(images), base.sum() / len(images)
 
 
 def best_of(case: Case, plane) -> tuple[Filled, float]:

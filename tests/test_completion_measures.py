@@ -124,6 +124,8 @@ def test_heights_over_a_sphere():
     points = sphere(100, seed=1) * np.linspace(0.9, 1.1, 100)[:, np.newaxis]
     heights = measures.heights_over(points, surface, surface)
     np.testing.assert_allclose(heights, np.linspace(-0.1, 0.1, 100), atol=1e-4)
+    near = measures.heights_over(points, surface, surface, within=0.05)
+    np.testing.assert_array_equal(np.isnan(near), np.abs(heights) > 0.05)
 
 
 class TestSeam:
