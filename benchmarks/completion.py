@@ -10,7 +10,9 @@ damaged by `completion_scans.py`; planes are those that ours detects on them, or
 Each measure is a function of `completion_measures.py`.
 
 *best* is what the true plane can give: the measured points, and the image of the complete statue
-where the scan lacks it.  *scan* is no completion, *whole* adds the whole scan's mirror image.
+where the scan lacks it; *reach* is what the scan and its image at the true plane give, since what
+is missing on both sides no mirror can fill.  *scan* is no completion, *whole* adds the whole
+scan's mirror image.
 
 With ``--surfaces``, surfaces are compared instead, those of `completion_surfaces.py`: ours end to
 end, and what MeshLab makes of the scan as it is.

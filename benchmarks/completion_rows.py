@@ -51,6 +51,7 @@ class Row:
     asymmetric: tuple[float, float]  # median, 95 % of the distances of the statue's mirror images
     done: Filled
     best: Filled  # what the true plane can give
+    reachable: float  # share of the removed part that the scan's image at a true plane is near
     before: Filled
     whole: Filled  # the whole mirror added
     angle: float  # of mirrored normals
@@ -84,6 +85,7 @@ def row_of(names: tuple[str, str, int], case: Case, done: Completed) -> Row:
         asymmetric=min(gaps),
         done=filled(case, done.points, mirrored),
         best=best,
+        reachable=max(reachable(case, plane) for plane in case.planes),
         before=filled(case, *cloud_of(nothing(done))),
         whole=filled(case, *cloud_of(whole_mirror(done))),
         angle=angles[0],
@@ -164,6 +166,13 @@ def best_of(case: Case, plane) -> tuple[Filled, float]:
     points = np.concatenate([case.points, images])
     judged = filled(case, points, np.arange(len(points)) >= len(case.points))
     return judged, normal_angles(images, normals, case.surface, case.surface_normals)[0]
+
+
+def reachable(case: Case, plane) -> float:
+    """Return the recall on the removed part of the scan and its image across a true plane."""
+    statue = case.points[~case.stray]
+    both = np.concatenate([statue, reflect(statue, plane)])
+    return share_near(case.missing, both, NEAR * case.diagonal)
 
 
 def plane_error(case: Case, planes) -> tuple[float, float]:
