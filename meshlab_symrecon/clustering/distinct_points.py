@@ -36,7 +36,8 @@ class WeightedPoints:
     def reduced(self, exemplars: Indices) -> WeightedPoints:
         """Return the exemplars, each with the mass of the points that it is nearest to."""
         label = nearest_exemplars(self.points, self.points[exemplars])
-        mass = np.bincount(label, weights=self.mass, minlength=len(exemplars))
+        mass: Floats = np.zeros(len(exemplars))
+        np.add.at(mass, label, self.mass)
         return WeightedPoints(self.points[exemplars], mass, self.source[exemplars])
 
 

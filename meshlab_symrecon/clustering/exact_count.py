@@ -36,9 +36,9 @@ def with_exact_count(level: Level, found: Passing, count: int) -> Indices:
     preferences = level.preferences(found.area)
     chosen = np.zeros(len(level.points), dtype=np.bool_)
     chosen[found.messages.exemplars] = True
-    while (number := np.count_nonzero(chosen)) > count:
+    while (number := int(np.count_nonzero(chosen))) > count:
         chosen[_least_useful(level, preferences, chosen, number - count)] = False
-    while (number := np.count_nonzero(chosen)) < count:
+    while (number := int(np.count_nonzero(chosen))) < count:
         chosen[_most_useful(level, preferences, chosen, count - number)] = True
     return np.flatnonzero(chosen)
 

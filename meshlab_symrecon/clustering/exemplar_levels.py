@@ -1,10 +1,10 @@
 """Affinity propagation on a cloud whose preferences ask for a density of exemplars.
 
 With mass μ on the unit of area and one exemplar on the area A, hexagonal clusters have the net
-similarity -(|p| + γ μ A²) / A on the unit of area, γ = 5 / (18 √3) (Fejes Tóth 1953). It is largest
+similarity -(|p| + c μ A²) / A on the unit of area, c = 5 / (18 √3) (Fejes Tóth 1953). It is largest
 where::
 
-    p = -γ μ A²
+    p = -c μ A²
 
 so the wanted area says what the preference must be.
 """
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshlab_symrecon.arrays import Floats, Points
-from meshlab_symrecon.clustering.messages import Propagation, propagate_sparse
+from meshlab_symrecon.clustering.messages import Propagation, Schedule, propagate_sparse
 from meshlab_symrecon.clustering.neighbour_graph import Neighbours
 from meshlab_symrecon.clustering.surface_variation import (
     bending,
@@ -25,7 +25,15 @@ from meshlab_symrecon.clustering.surface_variation import (
     surface_variation,
 )
 
-__all__ = ["HEXAGON", "Level", "Passing", "propagate_once", "propagate_to_count"]
+__all__ = [
+    "HEXAGON",
+    "QUICK",
+    "THOROUGH",
+    "Level",
+    "Passing",
+    "propagate_once",
+    "propagate_to_count",
+]
 
 HEXAGON = 5.0 / (18.0 * np.sqrt(3.0))  # mean squared distance to the centre of a hexagon / its area
 CHUNK = 65_536  # points whose neighbours are looked up together
@@ -33,9 +41,11 @@ EXTRA_EDGES = 8  # of each point, beside
 EDGES = 4.0  # so many times the points that an exemplar stands for
 SEEN = 3.0  # neighbourhood of the surface variation / points that an exemplar stands for
 LEAST_SEEN = 8
-DAMPING, MOST_ITERATIONS, CALM = 0.7, 150, 10
+QUICK = Schedule(0.6, 40, 10)  # the net similarity has settled by then, to 1e-4
+THOROUGH = Schedule(0.8, 400, 10)  # so has every single exemplar, as a rule
 TIE_BREAK = 1e-3  # of a preference: lattices settle, no measured choice is overruled
-CLOSE = 0.005  # relative error of a count that ends the search
+TRIALS = 3  # of the preference
+CLOSE = 0.01  # relative error of a count that ends the search
 LARGEST_STEP = 4.0  # factor on the preference between two of them
 BISECTIONS = 60
 
@@ -67,9 +77,8 @@ class Level:
     detail: Floats
 
     @classmethod
-    def of(cls, points: Points, mass: Floats, count: int, detail: float) -> Level:
-        """Connect points, of which about ``count`` are to become exemplars."""
-        share = len(points) / count
+    def of(cls, points: Points, mass: Floats, share: float, detail: float) -> Level:
+        """Connect points, of which an exemplar is to stand for about ``share``."""
         edges = min(int(EDGES * share) + EXTRA_EDGES, len(points) - 1)
         similarities, targets = _neighbours(points, edges + 1)
         seen = min(max(LEAST_SEEN, round(SEEN * share)) + 1, edges + 1)
@@ -88,7 +97,7 @@ class Level:
         wanted: Floats = -HEXAGON * self.mass_density * (area / self.detail) ** 2
         return wanted
 
-    def area(self, count: int) -> float:
+    def area(self, count: float) -> float:
         """Return the area an exemplar, where there is no detail, that gives ``count`` of them.
 
         No point can be more than one exemplar.
@@ -101,11 +110,17 @@ class Level:
             low, high = (middle, high) if enough else (low, middle)
         return float(np.sqrt(low * high))
 
-    def exemplars(self, area: float) -> Propagation:
+    def exemplars(self, area: float, schedule: Schedule) -> Propagation:
         """Pass messages with the preferences of an area an exemplar."""
         table = self.similarities * self.mass[:, np.newaxis]
         table[:, 0] = self.preferences(area) * (1.0 - TIE_BREAK * _noise(self.points))
-        return propagate_sparse(table, self.targets, DAMPING, MOST_ITERATIONS, CALM)
+        return propagate_sparse(
+            table,
+            self.targets,
+            schedule.damping,
+            schedule.max_iter,
+            schedule.convergence_iter,
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,13 +141,13 @@ class Passing:
     iterations: int
 
 
-def propagate_once(level: Level, area: float) -> Passing:
+def propagate_once(level: Level, area: float, schedule: Schedule) -> Passing:
     """Pass messages with preferences that ask for one exemplar on ``area`` without detail."""
-    messages = level.exemplars(area)
+    messages = level.exemplars(area, schedule)
     return Passing(messages, area, messages.iterations)
 
 
-def propagate_to_count(level: Level, count: int, trials: int) -> Passing:
+def propagate_to_count(level: Level, count: int, schedule: Schedule) -> Passing:
     """Look for the preferences that give a number of exemplars, and pass messages with them.
 
     The number of exemplars falls with the area that is asked for, nearly: each trial tells the
@@ -143,28 +158,26 @@ def propagate_to_count(level: Level, count: int, trials: int) -> Passing:
     level : Level
     count : int
         Wanted exemplars.
-    trials : int
-        Message passings at most.
+    schedule : Schedule
+        Of the last messages.
 
     Returns
     -------
     Passing
-        The nearest in number.
+        Near in number.
     """
     area, iterations = level.area(count), 0
-    best, least = None, np.inf
-    for _ in range(trials):
-        messages = level.exemplars(area)
+    for _ in range(TRIALS):
+        messages = level.exemplars(area, QUICK)
         iterations += messages.iterations
-        found = len(messages.exemplars)
-        error = abs(found - count)
-        if error < least:
-            best, least = (messages, area), error
-        if error <= CLOSE * count:
+        ratio = len(messages.exemplars) / count
+        if abs(ratio - 1.0) <= CLOSE:
             break
-        area *= float(np.clip(found / count, 1.0 / LARGEST_STEP, LARGEST_STEP))
-    assert best is not None  # noqa: S101  there is at least one trial
-    return Passing(*best, iterations)
+        area *= float(np.clip(ratio, 1.0 / LARGEST_STEP, LARGEST_STEP))
+    if schedule is QUICK:
+        return Passing(messages, area, iterations)
+    last = propagate_once(level, area, schedule)
+    return Passing(last.messages, area, iterations + last.iterations)
 
 
 def _neighbours(points: Points, width: int) -> tuple[Floats, NDArray[np.int32]]:

@@ -13,6 +13,8 @@ from meshlab_symrecon.clustering.distinct_points import WeightedPoints, distinct
 from meshlab_symrecon.clustering.exact_count import with_exact_count
 from meshlab_symrecon.clustering.exemplar_levels import (
     HEXAGON,
+    QUICK,
+    THOROUGH,
     Level,
     propagate_once,
     propagate_to_count,
@@ -24,8 +26,7 @@ __all__ = ["DETAIL", "LARGEST_DETAIL", "SimplifiedPoints", "simplify"]
 DETAIL, LARGEST_DETAIL = 4.0, 100.0
 LARGEST_PREFERENCE = 1e12  # squared spacings
 STEP = 4.0  # points that an exemplar stands for, at most, in one message passing
-MANY = 200_000  # points from which on fewer preferences are tried
-TRIALS, TRIALS_OF_MANY = 4, 2
+MANY = 200_000  # points from which on single exemplars may still change in the end
 
 Progress = Callable[[float, str], None]
 
@@ -43,7 +44,7 @@ class SimplifiedPoints:
     preference : float
         Preference of a point on a plane, in squared mean spacings; see `simplify`.
     converged : bool
-        False: the messages of a level had not settled; the exemplars are valid.
+        False: the last messages had not settled for every point; the exemplars are valid.
     iterations : int
         Of all message passings.
     """
@@ -136,36 +137,30 @@ def _descend(
     share = min(max(float(flat), 1.0), float(len(cloud.points)))
     levels = max(1, int(np.ceil(np.log(share) / np.log(STEP) - 1e-9)))
     step = share ** (1.0 / levels)
-    converged, iterations = True, 0
+    iterations = 0
     for number in range(levels - 1):
         tell(1.0 - step**-number, f"messages of level {number + 1} of {levels}")
-        wanted = max(1, round(len(cloud.points) / step))
-        level = Level.of(cloud.points, cloud.mass, wanted, detail)
-        found = propagate_to_count(level, wanted, _trials(len(cloud.points)))
+        level = Level.of(cloud.points, cloud.mass, step, detail)
+        found = propagate_once(level, level.area(len(cloud.points) / step), QUICK)
         cloud = cloud.reduced(found.messages.exemplars)
-        converged &= found.messages.converged
         iterations += found.iterations
     tell(1.0 - step ** (1 - levels), f"messages of level {levels} of {levels}")
-    wanted = max(1, round(len(cloud.points) / step)) if count is None else count
-    level = Level.of(cloud.points, cloud.mass, wanted, detail)
+    schedule = THOROUGH if len(cloud.points) < MANY else QUICK
+    level = Level.of(cloud.points, cloud.mass, step, detail)
     unit = 1.0 / float(np.median(level.mass_density))  # area that an input point has
     if count is None:
-        found = propagate_once(level, float(flat) * unit)
+        found = propagate_once(level, float(flat) * unit, schedule)
         exemplars = found.messages.exemplars
     else:
-        found = propagate_to_count(level, count, TRIALS)
+        found = propagate_to_count(level, count, schedule)
         exemplars = with_exact_count(level, found, count)
     tell(1.0, "done")
     return _Descent(
         cloud.reduced(exemplars),
         -HEXAGON * (found.area / unit) ** 2,
-        converged and found.messages.converged,
+        found.messages.converged,
         iterations + found.iterations,
     )
-
-
-def _trials(points: int) -> int:
-    return TRIALS if points < MANY else TRIALS_OF_MANY
 
 
 def _with_duplicates(first: Indices, total: int, count: int) -> Indices:

@@ -1,4 +1,4 @@
-"""How much a cloud bends round each point (Pauly, Gross, Kobbelt 2002), and how dense it is there."""
+"""How much a cloud bends round each point, and how dense it is there."""
 
 from __future__ import annotations
 
