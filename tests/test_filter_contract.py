@@ -101,7 +101,9 @@ CASES = {
     "generate_reflection_planes": Case(STATUE, same_planes),
     "generate_mirror_completed_points": Case(STATUE, same_cloud),
     "generate_surface_reconstruction_power_crust": Case(STATUE, same_surface),
-    "generate_simplified_points": Case(STATUE, same_points, flat=True, alone={"preference": -16.125}),
+    "generate_simplified_points": Case(
+        STATUE, same_points, flat=True, alone={"preference": -16.125}
+    ),
 }
 
 

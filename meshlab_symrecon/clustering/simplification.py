@@ -26,6 +26,7 @@ __all__ = ["DETAIL", "LARGEST_DETAIL", "SimplifiedPoints", "simplify"]
 DETAIL, LARGEST_DETAIL = 4.0, 100.0
 LARGEST_PREFERENCE = 1e12  # squared spacings
 STEP = 4.0  # points that an exemplar stands for, at most, in one message passing
+FEWEST = 0.8  # exemplars of a level that is not the last / those asked for
 MANY = 200_000  # points from which on single exemplars may still change in the end
 
 Progress = Callable[[float, str], None]
@@ -42,7 +43,8 @@ class SimplifiedPoints:
     label : (n,) int
         Place in ``chosen`` of the exemplar that stands for each point.
     preference : float
-        Preference of a point on a plane, in squared mean spacings; see `simplify`.
+        Preference of a point on a plane, in squared mean spacings, see `simplify`; 0 when all
+        distinct points were kept without any message.
     converged : bool
         False: the last messages had not settled for every point; the exemplars are valid.
     iterations : int
@@ -105,13 +107,17 @@ def simplify(
     given = as_points(points, minimum=1)
     _check(len(given), count, preference, detail)
     cloud = distinct_points(given)
-    if count is not None and count >= len(cloud.points):
-        chosen = _with_duplicates(cloud.source, len(given), count)
-        return SimplifiedPoints(chosen, _labels(given, chosen), -0.0, True, 0)
+    if len(cloud.points) == 1 or (count is not None and count >= len(cloud.points)):
+        chosen = _with_duplicates(cloud.source, len(given), count or 1)
+        return SimplifiedPoints(chosen, _labels(given, chosen), preference or 0.0, True, 0)
     found = _descend(cloud, count, preference, detail, progress or _silent)
     chosen = np.sort(found.kept.source)
     return SimplifiedPoints(
-        chosen, _labels(given, chosen), found.preference, found.converged, found.iterations
+        chosen,
+        _labels(given, chosen),
+        preference or found.preference,
+        found.converged,
+        found.iterations,
     )
 
 
@@ -141,8 +147,12 @@ def _descend(
     for number in range(levels - 1):
         tell(1.0 - step**-number, f"messages of level {number + 1} of {levels}")
         level = Level.of(cloud.points, cloud.mass, step, detail)
-        found = propagate_once(level, level.area(len(cloud.points) / step), QUICK)
-        cloud = cloud.reduced(found.messages.exemplars)
+        wanted = round(len(cloud.points) / step)
+        found = propagate_once(level, level.area(wanted), QUICK)
+        exemplars = found.messages.exemplars
+        if len(exemplars) < FEWEST * wanted:  # on curves and lattices: enough must be left over
+            exemplars = with_exact_count(level, found, wanted)
+        cloud = cloud.reduced(exemplars)
         iterations += found.iterations
     tell(1.0 - step ** (1 - levels), f"messages of level {levels} of {levels}")
     schedule = THOROUGH if len(cloud.points) < MANY else QUICK

@@ -21,12 +21,12 @@ def surface_variation(points: Points, targets: NDArray[np.int32]) -> Floats:
     ----------
     points : (n, 3) float
         Positions.
-    targets : (n, k) int
-        The neighbourhood of each point, itself included.
+    targets : (m, k) int
+        Which points are in each neighbourhood.
 
     Returns
     -------
-    (n,) float
+    (m,) float
         Least eigenvalue of the covariance over the sum of the three: 0 in a plane, at most 1/3.
 
     Notes
@@ -34,8 +34,8 @@ def surface_variation(points: Points, targets: NDArray[np.int32]) -> Floats:
     M. Pauly, M. Gross, L. P. Kobbelt, "Efficient simplification of point-sampled surfaces", IEEE
     Visualization 2002, section 2.
     """
-    found: Floats = np.zeros(len(points))
-    for first in range(0, len(points), CHUNK):
+    found: Floats = np.zeros(len(targets))
+    for first in range(0, len(targets), CHUNK):
         members = points[targets[first : first + CHUNK]]
         members -= members.mean(axis=1, keepdims=True)
         variances = np.linalg.eigvalsh(np.einsum("nki,nkj->nij", members, members))
