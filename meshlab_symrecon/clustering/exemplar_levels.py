@@ -20,9 +20,9 @@ from meshlab_symrecon.arrays import Floats, Points
 from meshlab_symrecon.clustering.messages import Propagation, Schedule, propagate_sparse
 from meshlab_symrecon.clustering.neighbour_graph import Neighbours
 from meshlab_symrecon.clustering.surface_variation import (
-    bending,
     point_density,
     surface_variation,
+    wanted_density,
 )
 
 __all__ = [
@@ -65,7 +65,7 @@ class Level:
     density, mass_density : (n,) float
         Points and mass on the unit of area.
     detail : (n,) float
-        Wanted density of exemplars, but for a factor: 1 on a plane.
+        Wanted density of exemplars, but for a factor: 1 where it is least.
     """
 
     points: Points
@@ -82,23 +82,18 @@ class Level:
         edges = min(int(EDGES * share) + EXTRA_EDGES, len(points) - 1)
         similarities, targets = _neighbours(points, edges + 1)
         seen = min(max(LEAST_SEEN, round(SEEN * share)) + 1, edges + 1)
+        density, mass_density = point_density(similarities[:, :seen], targets[:, :seen], mass)
         variation = surface_variation(points, targets[:, :seen])
-        return cls(
-            points,
-            mass,
-            similarities,
-            targets,
-            *point_density(similarities[:, :seen], targets[:, :seen], mass),
-            1.0 + detail * bending(variation),
-        )
+        wanted = wanted_density(variation, 1.0 / density, detail)
+        return cls(points, mass, similarities, targets, density, mass_density, wanted)
 
     def preferences(self, area: float) -> Floats:
-        """Return the preferences that ask for one exemplar on ``area`` where there is no detail."""
+        """Return the preferences that ask for one exemplar on ``area`` on flat parts."""
         wanted: Floats = -HEXAGON * self.mass_density * (area / self.detail) ** 2
         return wanted
 
     def area(self, count: float) -> float:
-        """Return the area an exemplar, where there is no detail, that gives ``count`` of them.
+        """Return the area an exemplar, on flat parts, that gives ``count`` of them.
 
         No point can be more than one exemplar.
         """
@@ -131,7 +126,7 @@ class Passing:
     ----------
     messages : Propagation
     area : float
-        Area an exemplar, where there is no detail, that the preferences ask for.
+        Area an exemplar, on flat parts, that the preferences ask for.
     iterations : int
         Of this passing and those before it.
     """
@@ -142,7 +137,7 @@ class Passing:
 
 
 def propagate_once(level: Level, area: float, schedule: Schedule) -> Passing:
-    """Pass messages with preferences that ask for one exemplar on ``area`` without detail."""
+    """Pass messages with preferences that ask for one exemplar on ``area`` on flat parts."""
     messages = level.exemplars(area, schedule)
     return Passing(messages, area, messages.iterations)
 

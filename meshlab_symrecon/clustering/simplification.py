@@ -23,7 +23,7 @@ from meshlab_symrecon.errors import ParameterError
 
 __all__ = ["DETAIL", "LARGEST_DETAIL", "SimplifiedPoints", "simplify"]
 
-DETAIL, LARGEST_DETAIL = 4.0, 100.0
+DETAIL, LARGEST_DETAIL = 3.0, 100.0
 LARGEST_PREFERENCE = 1e12  # squared spacings
 STEP = 4.0  # points that an exemplar stands for, at most, in one message passing
 FEWEST = 0.8  # exemplars of a level that is not the last / those asked for
@@ -79,8 +79,7 @@ def simplify(
         spacings, below 0. ``-p`` gives one exemplar for about ``2.5 sqrt(p)`` points there, and the
         more where the surface bends.
     detail : float
-        How much closer exemplars stand where the surface bends: their number on the unit of area
-        grows by this share times the spacing over the radius of curvature. 0: even.
+        How much closer exemplars stand where the surface bends (`wanted_density`). 0: even.
     progress : callable, optional
         Told the fraction done and the stage.
 

@@ -7,10 +7,13 @@ from numpy.typing import NDArray
 
 from meshlab_symrecon.arrays import Floats, Points
 
-__all__ = ["bending", "point_density", "surface_variation"]
+__all__ = ["bending", "point_density", "surface_variation", "wanted_density"]
 
 CHUNK = 65_536  # points looked at together, which bounds the memory
 BENDING = 24.0  # (radius / radius of curvature)^2 over surface variation, for a paraboloid
+EDGE = 0.0852  # surface variation of a right angle between two planes
+STEEPNESS = 2.0  # density that such an edge adds to what its bending adds
+LEAST = 0.65  # density of flat parts / the mean over the area
 TINY = float(np.finfo(np.float64).tiny)
 
 
@@ -53,6 +56,34 @@ def bending(variation: Floats) -> Floats:
     small.
     """
     found: Floats = np.sqrt(BENDING * variation)
+    return found
+
+
+def wanted_density(variation: Floats, area: Floats, detail: float) -> Floats:
+    """Return how densely exemplars should stand, 1 where it is least.
+
+    ``1 + detail (b + 2 (v / v')^2)`` with surface variation v, that of a right-angled edge v', and
+    the bending b. The distance of a surface from triangles between points of spacing h is
+    proportional to h^2 over the radius of curvature, whence the term b; the other one raises what
+    is about as thin as the spacing, where a reconstruction would lose its end. Flat parts keep a
+    share of the mean density, since what is flat may be thin as well.
+
+    Parameters
+    ----------
+    variation : (n,) float
+        Surface variation.
+    area : (n,) float
+        Area that each point stands for.
+    detail : float
+        0 for the same density everywhere.
+
+    Returns
+    -------
+    (n,) float
+    """
+    density = 1.0 + detail * (bending(variation) + STEEPNESS * (variation / EDGE) ** 2)
+    density = np.maximum(density, LEAST * np.average(density, weights=area))
+    found: Floats = density / density.min()
     return found
 
 
