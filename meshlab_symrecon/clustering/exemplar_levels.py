@@ -37,16 +37,15 @@ __all__ = [
 
 HEXAGON = 5.0 / (18.0 * np.sqrt(3.0))  # mean squared distance to the centre of a hexagon / its area
 CHUNK = 65_536  # points whose neighbours are looked up together
-EXTRA_EDGES = 8  # of each point, beside
-EDGES = 4.0  # so many times the points that an exemplar stands for
+EDGES, EXTRA_EDGES = 4.0, 8  # of a point, for each point that an exemplar stands for; and beside
 SEEN = 3.0  # neighbourhood of the surface variation / points that an exemplar stands for
 LEAST_SEEN = 8
 QUICK = Schedule(0.6, 40, 10)  # the net similarity has settled by then, to 1e-4
 THOROUGH = Schedule(0.8, 400, 10)  # so has every single exemplar, as a rule
-TIE_BREAK = 1e-3  # of a preference: lattices settle, no measured choice is overruled
+TIE_BREAK = 1e-3  # of a preference: lattices settle, and no cluster is worse by more
 TRIALS = 3  # of the preference
 CLOSE = 0.01  # relative error of a count that ends the search
-LARGEST_STEP = 4.0  # factor on the preference between two of them
+LARGEST_STEP = 4.0  # factor on the area between two of them
 BISECTIONS = 60
 
 

@@ -8,6 +8,7 @@ import shapes
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
+from meshlab_symrecon.clustering import simplification
 from meshlab_symrecon.clustering.distinct_points import distinct_points
 from meshlab_symrecon.clustering.exact_count import with_exact_count
 from meshlab_symrecon.clustering.exemplar_levels import (
@@ -19,10 +20,16 @@ from meshlab_symrecon.clustering.exemplar_levels import (
 )
 from meshlab_symrecon.clustering.messages import Schedule, propagate_dense
 from meshlab_symrecon.clustering.simplification import simplify
-from meshlab_symrecon.clustering.surface_variation import bending, surface_variation
+from meshlab_symrecon.clustering.surface_variation import (
+    EDGE,
+    LEAST,
+    bending,
+    surface_variation,
+    wanted_density,
+)
 from meshlab_symrecon.errors import GeometryError, ParameterError
 
-STATUE = shapes.statue(3000, seed=3)
+STATUE = shapes.statue(2000, seed=3)
 CLOUDS = {
     "one": np.zeros((1, 3)),
     "two": np.eye(3)[:2],
@@ -105,7 +112,7 @@ def test_the_same_points_are_chosen_in_any_order():
 
 @pytest.mark.parametrize("preference", [-1.0, -4.0, -16.0, -100.0, -1600.0])
 def test_the_number_of_exemplars_follows_from_the_preference(preference):
-    points = shapes.torus(6000, seed=2)
+    points = shapes.torus(4000, seed=2)
     found = simplify(points, preference=preference, detail=0.0)
     share = np.sqrt(-preference / HEXAGON)
     assert len(found.chosen) == pytest.approx(len(points) / share, rel=0.15)
@@ -209,6 +216,50 @@ def test_surface_variation_of_a_plane_is_0_and_of_a_ball_a_third():
     assert surface_variation(np.zeros((3, 3)), np.zeros((3, 2), dtype=np.int32)).tolist() == [0] * 3
 
 
+def test_the_surface_variation_of_a_right_angle():
+    rng = np.random.default_rng(0)
+    disc = rng.uniform(-1.0, 1.0, (400_000, 2))
+    disc = disc[(disc**2).sum(axis=1) < 1.0]
+    folded = np.column_stack([disc[:, 0], np.maximum(disc[:, 1], 0.0), np.maximum(-disc[:, 1], 0)])
+    everyone = np.arange(len(folded), dtype=np.int32)[None]
+    assert surface_variation(folded, everyone)[0] == pytest.approx(EDGE, rel=0.01)
+
+
+def test_the_wanted_density_is_that_of_the_formula_above_its_floor():
+    variation = np.array([0.0, 0.0, 0.01, EDGE, 0.2])
+    area = np.array([100.0, 1.0, 1.0, 1.0, 1.0])
+    density = 1.0 + 3.0 * (np.sqrt(24.0 * variation) + 2.0 * (variation / EDGE) ** 2)
+    floor = LEAST * (density * area).sum() / area.sum()
+    found = wanted_density(variation, area, 3.0)
+    np.testing.assert_allclose(found, np.maximum(density, floor) / max(1.0, floor))
+    assert found.min() == 1.0
+    assert (wanted_density(variation, area, 0.0) == 1.0).all()
+
+
+def test_a_thin_spike_keeps_its_tip():
+    rng = np.random.default_rng(0)
+    length = rng.random(400)
+    turn = 2 * np.pi * rng.random(400)
+    round_it = 0.02 * (1.0 - length)
+    spike = np.column_stack([round_it * np.cos(turn), round_it * np.sin(turn), 1.0 + length / 2])
+    points = np.concatenate([shapes.fibonacci_sphere(8000), spike])
+
+    def kept(detail: float) -> int:
+        chosen = points[simplify(points, count=600, detail=detail).chosen]
+        return np.count_nonzero(chosen[:, 2] > 1.02)
+
+    assert kept(3.0) > 2 * kept(0.0)
+
+
+def test_many_points_stop_early_and_are_counted_as_exactly(monkeypatch):
+    thorough = simplify(STATUE, count=300)
+    monkeypatch.setattr(simplification, "MANY", 100)
+    quick = simplify(STATUE, count=300)
+    assert len(quick.chosen) == 300
+    assert quick.iterations < thorough.iterations
+    assert len(np.intersect1d(quick.chosen, thorough.chosen)) > 240
+
+
 @pytest.mark.parametrize("change", [-1, 1])
 def test_the_exact_step_takes_the_best_single_change(change):
     cloud = distinct_points(STATUE[:150])
@@ -248,8 +299,8 @@ def test_progress_rises_to_1():
 BAD = {
     "needs a count or a preference, and not both; got count=None and preference=None": {},
     "needs a count or a preference, and not both; got count=5": {"count": 5, "preference": -1.0},
-    "count must lie between 1 and the 3000 points there are; got 0": {"count": 0},
-    "count must lie between 1 and the 3000 points there are; got 3001": {"count": 3001},
+    "count must lie between 1 and the 2000 points there are; got 0": {"count": 0},
+    "count must lie between 1 and the 2000 points there are; got 2001": {"count": 2001},
     "preference must be below 0, and at least -1e[+]12 squared spacings; got 0": {"preference": 0},
     "preference must be below 0, .* got nan": {"preference": np.nan},
     "detail must lie between 0 and 100; got -1": {"count": 5, "detail": -1.0},
