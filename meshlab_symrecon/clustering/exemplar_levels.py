@@ -86,6 +86,11 @@ class Level:
         wanted = wanted_density(variation, 1.0 / density, detail)
         return cls(points, mass, similarities, targets, density, mass_density, wanted)
 
+    @property
+    def unit(self) -> float:
+        """The area that an input point has, as a rule."""
+        return 1.0 / float(np.median(self.mass_density))
+
     def preferences(self, area: float) -> Floats:
         """Return the preferences that ask for one exemplar on ``area`` on flat parts."""
         wanted: Floats = -HEXAGON * self.mass_density * (area / self.detail) ** 2

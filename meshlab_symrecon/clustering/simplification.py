@@ -16,6 +16,7 @@ from meshlab_symrecon.clustering.exemplar_levels import (
     QUICK,
     THOROUGH,
     Level,
+    Passing,
     propagate_once,
     propagate_to_count,
 )
@@ -138,27 +139,24 @@ def _descend(
     tell: Progress,
 ) -> _Descent:
     """Choose exemplars among exemplars until one stands for as many points as asked for."""
-    flat = np.sqrt(-(preference or 0.0) / HEXAGON) if count is None else len(cloud.points) / count
-    share = min(max(float(flat), 1.0), float(len(cloud.points)))
+    total = len(cloud.points)
+    flat = np.sqrt(-(preference or 0.0) / HEXAGON) if count is None else total / count
+    share = min(max(float(flat), 1.0), float(total))
     levels = max(1, int(np.ceil(np.log(share) / np.log(STEP) - 1e-9)))
     step = share ** (1.0 / levels)
     iterations = 0
-    for number in range(levels - 1):
-        tell(1.0 - step**-number, f"messages of level {number + 1} of {levels}")
+    for number in range(1, levels):
+        tell(1.0 - step ** (1 - number), f"messages of level {number} of {levels}")
         level = Level.of(cloud.points, cloud.mass, step, detail)
-        wanted = round(len(cloud.points) / step)
-        found = propagate_once(level, level.area(wanted), QUICK)
-        exemplars = found.messages.exemplars
-        if len(exemplars) < FEWEST * wanted:  # on curves and lattices: enough must be left over
-            exemplars = with_exact_count(level, found, wanted)
+        wanted = None if count is None else round(total / step**number)
+        found, exemplars = _coarser(level, wanted, step**number)
         cloud = cloud.reduced(exemplars)
         iterations += found.iterations
     tell(1.0 - step ** (1 - levels), f"messages of level {levels} of {levels}")
     schedule = THOROUGH if len(cloud.points) < MANY else QUICK
     level = Level.of(cloud.points, cloud.mass, step, detail)
-    unit = 1.0 / float(np.median(level.mass_density))  # area that an input point has
     if count is None:
-        found = propagate_once(level, float(flat) * unit, schedule)
+        found = propagate_once(level, float(flat) * level.unit, schedule)
         exemplars = found.messages.exemplars
     else:
         found = propagate_to_count(level, count, schedule)
@@ -166,10 +164,23 @@ def _descend(
     tell(1.0, "done")
     return _Descent(
         cloud.reduced(exemplars),
-        -HEXAGON * (found.area / unit) ** 2,
+        -HEXAGON * (found.area / level.unit) ** 2,
         found.messages.converged,
         iterations + found.iterations,
     )
+
+
+def _coarser(level: Level, wanted: int | None, share: float) -> tuple[Passing, Indices]:
+    """Choose about ``wanted`` exemplars, or one for ``share`` input points on flat parts."""
+    if wanted is None:
+        found = propagate_once(level, share * level.unit, QUICK)
+        return found, found.messages.exemplars
+    found = propagate_once(level, level.area(wanted), QUICK)
+    if len(found.messages.exemplars) >= FEWEST * wanted:
+        return found, found.messages.exemplars
+    return found, with_exact_count(
+        level, found, wanted
+    )  # the last level needs enough to choose from
 
 
 def _with_duplicates(first: Indices, total: int, count: int) -> Indices:

@@ -108,6 +108,8 @@ def point_density(
         point itself is there for certain, so that neither counts in full.
     """
     count = targets.shape[1]
+    if count == 1:  # a lone point
+        return np.ones(len(mass)), mass
     area = np.maximum(-np.pi * similarities[:, -1], TINY)
     within = np.zeros(len(mass))
     for column in targets.T:

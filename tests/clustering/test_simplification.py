@@ -41,6 +41,9 @@ CLOUDS = {
     "duplicates": np.repeat(np.random.default_rng(2).random((15, 3)), 5, axis=0),
     "tiny": 1e-30 * np.random.default_rng(3).random((40, 3)),
     "far away": 1e3 + 1e-6 * np.random.default_rng(4).random((40, 3)),
+    "a clump and a point far off": np.vstack(
+        [np.random.default_rng(6).random((70, 3)), [[1e4] * 3]]
+    ),
     "huge": 1e60 * np.random.default_rng(5).random((40, 3)),
 }
 
@@ -85,6 +88,12 @@ def test_equal_points_come_after_all_distinct_ones():
     assert len(np.unique(kept, axis=0)) == 15
     assert simplify(points, count=15).chosen.tolist() == list(range(0, 75, 5))
     assert simplify(points, count=17).chosen.tolist() == [0, 1, 2, *range(5, 75, 5)]
+
+
+def test_a_lone_point_is_its_own_exemplar_whatever_is_asked():
+    level = Level.of(np.zeros((1, 3)), np.array([7.0]), 4.0, 3.0)
+    assert level.unit == 1.0 / 7.0
+    assert propagate_once(level, 1.0, THOROUGH).messages.exemplars.tolist() == [0]
 
 
 def test_two_heaps_have_an_exemplar_each():
