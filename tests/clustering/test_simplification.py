@@ -8,7 +8,8 @@ import shapes
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
-from meshlab_symrecon.clustering import simplification
+from meshlab_symrecon.clustering import exemplar_levels, simplification
+from meshlab_symrecon.clustering import surface_variation as sv
 from meshlab_symrecon.clustering.distinct_points import distinct_points
 from meshlab_symrecon.clustering.exact_count import with_exact_count
 from meshlab_symrecon.clustering.exemplar_levels import (
@@ -258,6 +259,15 @@ def test_a_thin_spike_keeps_its_tip():
         return np.count_nonzero(chosen[:, 2] > 1.02)
 
     assert kept(3.0) > 2 * kept(0.0)
+
+
+def test_working_in_parts_changes_nothing(monkeypatch):
+    whole = simplify(STATUE, count=300)
+    monkeypatch.setattr(exemplar_levels, "CHUNK", 97)
+    monkeypatch.setattr(sv, "CHUNK", 97)
+    parts = simplify(STATUE, count=300)
+    assert np.array_equal(parts.chosen, whole.chosen)
+    assert np.array_equal(parts.label, whole.label)
 
 
 def test_many_points_stop_early_and_are_counted_as_exactly(monkeypatch):
