@@ -84,7 +84,8 @@ def test_without_planes_the_completion_says_what_to_do():
     assert f"no layer '{PLANES_LABEL}'" in outcome.warnings[0]
     assert np.array_equal(outcome.layers[0].points, HALF)
     assert not outcome.layers[0].quality.any()
-    assert outcome.measures == {"measured": len(HALF), "mirrored": 0}
+    counts = {name: outcome.measures[name] for name in ("measured", "mirrored", "scattered")}
+    assert counts == {"measured": len(HALF), "mirrored": 0, "scattered": 0}
     bare = Layer(SPHERE[:4], NO_FACES, label=PLANES_LABEL, identifier=1)
     with pytest.raises(GeometryError, match="has no faces; detect planes first"):
         completed(document(scan(HALF), bare))

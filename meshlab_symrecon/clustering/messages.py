@@ -91,7 +91,11 @@ def propagate_dense(similarities: Floats, schedule: Schedule) -> Propagation:
 
 
 def propagate_sparse(
-    similarities: Floats, targets: Indices, damping: float, max_iter: int, convergence_iter: int
+    similarities: Floats,
+    targets: Indices | NDArray[np.int32],
+    damping: float,
+    max_iter: int,
+    convergence_iter: int,
 ) -> Propagation:
     """Pass messages along given edges until the exemplars stay the same.
 

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshlab_symrecon.arrays import (
     Faces,
-    Floats,
     Points,
     as_faces,
     as_normals,

@@ -24,6 +24,7 @@ from meshlab_symrecon.arrays import (
 from meshlab_symrecon.errors import GeometryError, ParameterError
 from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions, signed_distances
+from meshlab_symrecon.geometry.sampling import principal_frame
 from meshlab_symrecon.symmetry.asymmetry import asymmetry_field
 from meshlab_symrecon.symmetry.copying import off_lopsided_plinth, on_surface, standing_plane
 from meshlab_symrecon.symmetry.filling import Surroundings, any_missing, fill, part, surroundings
@@ -132,7 +133,7 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     for step, plane in enumerate(mirrors):
         if progress is not None:
             progress(step / len(mirrors), "filling with mirror images")
-        around = scan.around if step == 0 else surroundings(positions, turned)
+        around = scan.around if step == 0 else surroundings(positions, turned, scan.around.diagonal)
         images, chosen = _across(scan, around, origin, plane, gap, blend)
         positions = np.concatenate([positions, images])
         origin = np.concatenate([origin, origin[chosen]])
@@ -219,13 +220,16 @@ class _Scan:
 
 def _scan(points: Points, normals: Points | None, allowed: Booleans) -> _Scan:
     """Order a cloud along a space-filling curve, which makes searches fast, without scatter."""
-    order = _native.curve_order(points).astype(np.int64)
-    around = surroundings(points[order], None if normals is None else normals[order])
+    centre, axes = principal_frame(points)
+    framed = (points - centre) @ axes.T  # so that all that follows turns with the scan
+    order = _native.curve_order(framed).astype(np.int64)
+    sides = None if normals is None else normals[order]
+    around = surroundings(points[order], sides, robust_diagonal(framed))
     together = on_surface(around.points, around.distances, around.nearest)
     return _Scan(order[together], allowed[order[together]], part(around, together))
 
 
-def _across(  # noqa: PLR0913, PLR0917
+def _across(  # what to fill, across what, and how
     scan: _Scan, around: Surroundings, origin: Indices, plane: Floats, gap: float, blend: float
 ) -> tuple[Points, Indices]:
     """Return the mirror images that fill gaps, and the points they are images of."""

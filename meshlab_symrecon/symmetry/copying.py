@@ -1,4 +1,4 @@
-"""What of a scan is worth copying: the statue, not the clutter in the air, nor a plinth under it."""
+"""What of a scan is worth copying: the statue, not clutter in the air or a plinth under it."""
 
 from __future__ import annotations
 

@@ -10,7 +10,6 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
-from meshlab_symrecon.geometry.bounds import robust_diagonal
 from meshlab_symrecon.geometry.neighbours import (
     NearestField,
     nearest_field,
@@ -61,15 +60,14 @@ class Surroundings:
         return SPACING_RANGE[1] * self.usual
 
 
-def surroundings(points: Points, normals: Points | None) -> Surroundings:
+def surroundings(points: Points, normals: Points | None, diagonal: float) -> Surroundings:
     """Look up the neighbourhood of every point (n, 3), n at least 2, along a space-filling curve.
 
-    Where no normals (n, 3) are given, planes are fitted.
+    Where no normals (n, 3) are given, planes are fitted. The diagonal is that of the scan.
     """
     tree = cKDTree(points)
     distances, nearest = tree.query(points, k=min(NEIGHBOURS + 1, len(points)))
     spacing = distances[:, 1 : SPACING_NEIGHBOURS + 1].mean(axis=1)
-    diagonal = robust_diagonal(points)
     return Surroundings(
         points=points,
         directions=_fitted(points) if normals is None else _unit(normals),
@@ -182,7 +180,7 @@ def _open(around: Surroundings, images: Points, gap: float) -> tuple[Indices, In
     return chosen, nearest[chosen].astype(np.int64), reach[chosen]
 
 
-def _hovering(  # noqa: PLR0913, PLR0917  # a mirror image, and what it may hover over
+def _hovering(
     around: Surroundings,
     images: Points,
     origin: Indices,
