@@ -1,10 +1,10 @@
 """Where the two sides of a statue differ, and what that tells about the side that is missing.
 
 No statue is its own exact mirror image: it bends, leans and was carved by hand. Where both sides
-were measured, the offset from each mirror image to the measured surface is known; into a hole it is
-carried by kriging (Matheron 1969; Cressie 1993, *Statistics for Spatial Data*, section 3.4). How far
-it carries is read from the statue itself, from how alike the offsets of neighbouring places are:
-where they are not alike, as those of noise, nothing is carried.
+were measured, the offset from each mirror image to the measured surface is known; into a hole it
+is carried by kriging (Matheron 1969; Cressie 1993, *Statistics for Spatial Data*, section 3.4).
+How far it carries is read from the statue itself, from how alike the offsets of neighbouring
+places are: where they are not alike, as those of noise, nothing is carried.
 """
 
 from __future__ import annotations
