@@ -101,13 +101,16 @@ def simplified(
 
 
 def _unfolded(faces: Faces) -> Faces:
-    """Return every triangle once, without those that are there both ways round."""
-    first = np.argmin(faces, axis=1)[:, None]
-    once = np.unique(np.take_along_axis(faces, (first + np.arange(3)) % 3, axis=1), axis=0)
-    _, group, count = np.unique(
-        np.sort(once, axis=1), axis=0, return_inverse=True, return_counts=True
-    )
-    return once[count[group.reshape(-1)] == 1]
+    """Return every triangle once, the way round in which there are more; none where both tie.
+
+    What is left is closed where the faces were.
+    """
+    corners = np.sort(faces, axis=1)
+    a, b, c = faces.T
+    forward = ((a < b) & (b < c)) | ((b < c) & (c < a)) | ((c < a) & (a < b))
+    single, group = np.unique(corners, axis=0, return_inverse=True)
+    turns = np.bincount(group.reshape(-1), np.where(forward, 1.0, -1.0), len(single))
+    return np.concatenate([single[turns > 0.0], single[turns < 0.0][:, [0, 2, 1]]])
 
 
 def _smoothed(points: Points, faces: Faces) -> Points:
