@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+from meshlab_symrecon.errors import SymReconWarning
 
 __all__ = [
     "CLOSE",
@@ -34,7 +38,7 @@ SEED = "randomseed"
 
 @dataclass(frozen=True, slots=True)
 class Reconstruction:
-    """The document after the whole method, its layers, and what each filter measured."""
+    """The document after the whole method, its layers, what each filter measured and warned of."""
 
     mesh_set: Any
     layers: Mapping[str, int]  # label: identifier
@@ -42,10 +46,30 @@ class Reconstruction:
     found: Mapping[str, Any]
     completed: Mapping[str, Any]
     surface: Mapping[str, Any]
+    warnings: tuple[str, ...] = ()
 
 
 def whole_method(scan: Path, seed: int, progress: Callable[[float, str], None]) -> Reconstruction:
     """Load a scan and run the filters of the documented chain on it."""
+    with _noted() as noted:
+        result = _run_all(scan, seed, progress)
+    return replace(result, warnings=tuple(noted))
+
+
+@contextmanager
+def _noted() -> Iterator[list[str]]:
+    """Yield a list that holds, at the end, the sentences of all warnings; they are given, too."""
+    sentences: list[str] = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield sentences
+    for warning in caught:
+        if issubclass(warning.category, SymReconWarning):
+            sentences.append(str(warning.message))
+        warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
+
+
+def _run_all(scan: Path, seed: int, progress: Callable[[float, str], None]) -> Reconstruction:
     from meshlab_symrecon.host.files import load
     from meshlab_symrecon.host.meshset import current_identifier
 
