@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from meshlab_symrecon.cli.method import COMPLETED, SCAN, SURFACE, Reconstruction
 
 if TYPE_CHECKING:
-    from meshlab_symrecon.pictures.report_figure import ReportScene
+    from meshlab_symrecon.pictures.report_scene import ReportScene
 
 __all__ = ["scene_of", "write_report"]
 
@@ -38,7 +38,7 @@ def scene_of(result: Reconstruction) -> ReportScene:
     import numpy as np
 
     from meshlab_symrecon.host.meshset import read_layer
-    from meshlab_symrecon.pictures.report_figure import ReportScene
+    from meshlab_symrecon.pictures.report_scene import ReportScene
 
     layers = {label: read_layer(result.mesh_set, n) for label, n in result.layers.items()}
     measured, surface = layers[SCAN], layers[SURFACE]

@@ -17,7 +17,7 @@ from meshlab_symrecon.plugin.parameters import Value
 
 __all__ = ["python_of", "recipe", "script_of", "steps"]
 
-KEPT = ("type", "name", "value", "x", "y", "z")  # of a parameter in MeshLab's history, in this order
+KEPT = ("type", "name", "value", "x", "y", "z")  # of a parameter in a history, in this order
 WIDTH = 100  # characters of a line of Python
 
 

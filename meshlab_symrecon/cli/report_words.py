@@ -19,7 +19,7 @@ from meshlab_symrecon.cli.reports import detection
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.atomic import reason
 from meshlab_symrecon.pictures.report import ReportWords, Section, Table
-from meshlab_symrecon.pictures.report_figure import ReportScene
+from meshlab_symrecon.pictures.report_scene import ReportScene
 
 __all__ = ["words_of"]
 
@@ -81,7 +81,7 @@ def _summary(
     """Say in plain sentences what was found, what was invented and what came out."""
     sure = _listed([f"{plane['confidence']:.2f}" for plane in planes])
     scan = f"In this scan of {_counted(result.points, 'point')}"
-    area, invented = scene.invented_area()
+    _, invented = scene.invented_area()
     if planes:
         found = (
             "one mirror plane was found" if len(planes) == 1
@@ -107,11 +107,12 @@ def _summary(
         meaning = "Where the scan has holes, the surface bridges them smoothly."
     shape = result.surface
     closed = "closed" if shape.get("closed") else "NOT closed"
+    solid = "it bounds a solid" if shape.get("closed") else "it has open edges"
     pieces, genus = int(shape.get("components", 1)), int(shape.get("genus", 0))
     handles = {-1: "", 0: ", without handles"}.get(genus, f", with {_counted(genus, 'handle')}")
     share = f" {_percent(invented)} of its area is invented." if planes else ""
     second = (
-        f"The surface is {closed}, in {'one piece' if pieces == 1 else f'{pieces} pieces'}"
+        f"The surface is {closed} ({solid}), in {'one piece' if pieces == 1 else f'{pieces} pieces'}"
         f"{handles}, and has {_counted(len(scene.faces), 'triangle')}.{share}"
     )
     return [first, second, meaning]
@@ -132,7 +133,7 @@ def _warnings(result: Reconstruction, planes: Sequence[Mapping[str, Any]]) -> li
 def _numbers(result: Reconstruction, scene: ReportScene) -> Table:
     """Return every measure of the filters, and what can be reckoned from the layers."""
     area, invented = scene.invented_area()
-    lengths = " x ".join(f"{length:.5g}" for length in np.ptp(scene.scan, axis=0))
+    lengths = " x ".join(_rounded(length) for length in np.ptp(scene.scan, axis=0))
     measured = {
         name: value
         for measures in (result.completed, result.surface)
@@ -141,7 +142,7 @@ def _numbers(result: Reconstruction, scene: ReportScene) -> Table:
     }
     rows = [("Box of the scan, in the file's unit", lengths)]
     rows += [(_label(name), _value(value)) for name, value in measured.items()]
-    rows.append(("Surface: area, in squares of the file's unit", f"{area:.5g}"))
+    rows.append(("Surface: area, in squares of the file's unit", _rounded(area)))
     rows.append(("Surface: share of the area that is invented", _percent(invented)))
     return Table(("What", "Value"), tuple(rows))
 
@@ -156,12 +157,19 @@ def _value(value: Any) -> str:
     if isinstance(value, (int, np.integer)):
         return f"{int(value):,}"
     if isinstance(value, (Number, np.floating)):
-        return f"{float(value):.4g}"  # type: ignore[arg-type]
+        return _rounded(float(value))  # type: ignore[arg-type]
     if isinstance(value, Mapping):
         return "; ".join(f"{name}: {_value(item)}" for name, item in value.items())
     if isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, str):
         return ", ".join(_value(item) for item in value)
     return str(value)
+
+
+def _rounded(number: float) -> str:
+    """Write five digits, without an exponent where that is readable."""
+    if number != 0.0 and not 1e-4 <= abs(number) < 1e9:
+        return f"{number:.4e}"
+    return f"{float(f'{number:.5g}'):,}".removesuffix(".0")
 
 
 def _plane_table(planes: Sequence[Mapping[str, Any]]) -> Table:

@@ -8,15 +8,10 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
-from meshlab_symrecon.pictures.report_figure import (
-    DEVIATION_COLOURS,
-    DrawnLayer,
-    ReportScene,
-    View,
-    draw_view,
-    plotly_script,
-)
+from meshlab_symrecon.pictures.report_scene import ReportScene
 from meshlab_symrecon.pictures.report_stills import Still, draw_stills
+from meshlab_symrecon.pictures.report_traces import DEVIATION_COLOURS, plotly_script
+from meshlab_symrecon.pictures.report_view import DrawnLayer, View, draw_view
 from meshlab_symrecon.pictures.scene import INVENTED, MEASURED, PLANE
 
 __all__ = ["Listing", "ReportWords", "Section", "Table", "report_page"]
@@ -147,9 +142,8 @@ def _legend(view: View, scene: ReportScene) -> list[str]:
         entries.append(_swatch([PLANE]) + "mirror plane")
     if view.deviation_span > 0.0:
         span = f"{view.deviation_span:.3g}"
-        colours = [colour for _, colour in DEVIATION_COLOURS]
         words = f"deviation from -{span} (inside) to +{span} (outside), in the file's unit"
-        entries.append(_swatch(colours, " bar") + escape(words))
+        entries.append(_swatch(DEVIATION_COLOURS, " bar") + escape(words))
     return [f"<li>{entry}</li>" for entry in entries]
 
 

@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 
 from meshlab_symrecon.arrays import Faces, Floats, Indices, Points
 
-__all__ = ["Frame", "even_subset", "shading", "simplified", "upright_frame"]
+__all__ = [
+    "DIMMEST",
+    "Frame",
+    "Levels",
+    "Singles",
+    "even_subset",
+    "shading",
+    "simplified",
+    "upright_frame",
+]
 
 Singles: TypeAlias = NDArray[np.float32]
 Levels: TypeAlias = NDArray[np.uint8]
@@ -19,7 +28,7 @@ ROUNDS = 8  # of the search for a size of cells
 SLACK = 0.85  # of the cells that are allowed: enough to stop searching
 LIGHT = np.array([-0.45, -0.65, 0.62])  # from above the viewer's left shoulder
 LIGHT = LIGHT / np.linalg.norm(LIGHT)
-SHADOW = 0.45  # of the light reaches what faces away, so that it can still be seen
+DIMMEST = 115  # of 255: what faces away gets so much light, so that it can still be seen
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -152,7 +161,7 @@ def _labelled(points: Points, size: float) -> tuple[Indices, int]:
 
 
 def shading(normals: Points | None, points: Points, frame: Frame) -> Levels:
-    """Return (n,) levels of light, 0 to 255, on points with these normals.
+    """Return (n,) levels of light, from ``DIMMEST`` to 255, on points with these normals.
 
     Normals that point inward in the majority are turned over, all of them; without normals every
     point is fully lit.
@@ -162,6 +171,6 @@ def shading(normals: Points | None, points: Points, frame: Frame) -> Levels:
     outward = np.einsum("ij,ij->i", normals, points - points.mean(axis=0)).sum()
     lengths = np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)
     facing = frame.turn(normals) @ LIGHT / lengths * (1.0 if outward >= 0.0 else -1.0)
-    light = SHADOW + (1.0 - SHADOW) * (0.5 + 0.5 * facing)
-    levels: Levels = np.round(255.0 * np.clip(light, 0.0, 1.0)).astype(np.uint8)
+    light = DIMMEST + (255.0 - DIMMEST) * (0.5 + 0.5 * np.clip(facing, -1.0, 1.0))
+    levels: Levels = np.round(light).astype(np.uint8)
     return levels

@@ -14,20 +14,14 @@ from meshlab_symrecon.errors import SymReconError
 from meshlab_symrecon.pictures.projection import fit, open_screen
 from meshlab_symrecon.pictures.renderer import render
 from meshlab_symrecon.pictures.report_drawing import even_subset, simplified
-from meshlab_symrecon.pictures.report_figure import (
-    MOST_POINTS,
-    MOST_VERTICES,
-    ReportScene,
-    sheet_corners,
-)
+from meshlab_symrecon.pictures.report_scene import MOST_POINTS, MOST_VERTICES, ReportScene
 from meshlab_symrecon.pictures.scene import (
     Item,
     PointCloud,
     TriangleMesh,
     colours_by_share,
-    PlaneSheet,
 )
-from meshlab_symrecon.pictures.viewpoint import disc_radius, upright
+from meshlab_symrecon.pictures.viewpoint import disc_radius
 
 __all__ = ["Still", "draw_stills"]
 
@@ -57,8 +51,7 @@ def draw_stills(scene: ReportScene) -> tuple[Still, Still, Still]:
     kept = even_subset(scene.completed, MOST_POINTS)
     completed, mirrored = scene.completed[kept], scene.mirrored[kept]
     points, faces, share = simplified(scene.surface, scene.faces, scene.share, MOST_VERTICES)
-    up = upright(scene.completed, scene.planes)
-    sheets = [PlaneSheet(sheet_corners(plane, scene, up)) for plane in scene.planes[:1]]
+    sheets = scene.sheets()[:1]
     everything = [scan, completed, points, *(sheet.corners for sheet in sheets)]
     seen = np.concatenate(everything) @ camera.axes().T
     spans = np.maximum(np.ptp(seen, axis=0), np.finfo(float).tiny)
@@ -100,5 +93,5 @@ def _png(image: NDArray[np.uint8]) -> str:
         )
         raise SymReconError(message) from error
     stream = BytesIO()
-    imsave(stream, image, format="png", metadata={"Software": None})
+    imsave(stream, image, format="png", metadata={"Software": None})  # type: ignore[dict-item]
     return b64encode(stream.getvalue()).decode("ascii")
