@@ -79,43 +79,44 @@ def _summary(
     result: Reconstruction, scene: ReportScene, planes: Sequence[Mapping[str, Any]]
 ) -> list[str]:
     """Say in plain sentences what was found, what was invented and what came out."""
-    sure = _listed([f"{plane['confidence']:.2f}" for plane in planes])
-    scan = f"In this scan of {_counted(result.points, 'point')}"
-    _, invented = scene.invented_area()
     if planes:
-        found = (
-            "one mirror plane was found" if len(planes) == 1
-            else f"{len(planes)} mirror planes were found"
-        )  # fmt: skip
-        added = int(scene.mirrored.sum())
-        share = _percent(added / max(len(scene.completed), 1))
-        first = (
-            f"{scan} {found} (confidence {sure}). {_counted(added, 'point')} "
-            f"{'was' if added == 1 else 'were'} invented, by mirroring measured points to where "
-            f"nothing was measured: {share} of the {_counted(len(scene.completed), 'point')} that "
-            "the surface was made from."
-        )
-        meaning = (
+        invented = _percent(scene.invented_area()[1])
+        return [
+            _found(result, scene, planes),
+            f"{_shape(result, scene)} {invented} of its area is invented.",
             "What is invented shows what the other side looks like. It is a conjecture about what "
-            "this side was, and only as good as the mirror plane."
-        )
-    else:
-        first = (
-            f"{scan} no mirror plane was found that can be trusted, so nothing was invented: the "
-            "surface closes what was measured."
-        )
-        meaning = "Where the scan has holes, the surface bridges them smoothly."
-    shape = result.surface
-    closed = "closed" if shape.get("closed") else "NOT closed"
-    solid = "it bounds a solid" if shape.get("closed") else "it has open edges"
-    pieces, genus = int(shape.get("components", 1)), int(shape.get("genus", 0))
-    handles = {-1: "", 0: ", without handles"}.get(genus, f", with {_counted(genus, 'handle')}")
-    share = f" {_percent(invented)} of its area is invented." if planes else ""
-    second = (
-        f"The surface is {closed} ({solid}), in {'one piece' if pieces == 1 else f'{pieces} pieces'}"
-        f"{handles}, and has {_counted(len(scene.faces), 'triangle')}.{share}"
+            "this side was, and only as good as the mirror plane.",
+        ]
+    return [
+        f"In this scan of {_counted(result.points, 'point')} no mirror plane was found that can be "
+        "trusted, so nothing was invented: the surface closes what was measured.",
+        _shape(result, scene),
+        "Where the scan has holes, the surface bridges them smoothly.",
+    ]
+
+
+def _found(result: Reconstruction, scene: ReportScene, planes: Sequence[Mapping[str, Any]]) -> str:
+    sure = _listed([f"{plane['confidence']:.2f}" for plane in planes])
+    several = f"{len(planes)} mirror planes were found"
+    added, all_points = int(scene.mirrored.sum()), len(scene.completed)
+    return (
+        f"In this scan of {_counted(result.points, 'point')} "
+        f"{'one mirror plane was found' if len(planes) == 1 else several} (confidence {sure}). "
+        f"{_counted(added, 'point')} {'was' if added == 1 else 'were'} invented, by mirroring "
+        f"measured points to where nothing was measured: {_percent(added / max(all_points, 1))} "
+        f"of the {_counted(all_points, 'point')} that the surface was made from."
     )
-    return [first, second, meaning]
+
+
+def _shape(result: Reconstruction, scene: ReportScene) -> str:
+    """Say what kind of surface came out."""
+    shape = result.surface
+    closed = "closed (it bounds a solid)" if shape["closed"] else "NOT closed (it has open edges)"
+    pieces = "one piece" if shape["components"] == 1 else f"{shape['components']} pieces"
+    genus = int(shape["genus"])
+    handles = {-1: "", 0: ", without handles"}.get(genus, f", with {_counted(genus, 'handle')}")
+    triangles = _counted(len(scene.faces), "triangle")
+    return f"The surface is {closed}, in {pieces}{handles}, and has {triangles}."
 
 
 def _warnings(result: Reconstruction, planes: Sequence[Mapping[str, Any]]) -> list[str]:
