@@ -103,7 +103,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("page", type=Path)
     parser.add_argument("picture", type=Path)
-    parser.add_argument("--size", type=int, nargs=2, default=(1100, 1180))
+    parser.add_argument("--size", type=int, nargs=2, default=(1100, 1360))
     given = parser.parse_args()
     if missing():
         raise SystemExit(f"missing here: {missing()}")

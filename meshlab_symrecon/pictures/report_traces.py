@@ -31,7 +31,7 @@ DEVIATION_COLOURS: tuple[Colour, ...] = (
 """Blue (inside), paper, orange (outside): told apart by those who see no red or no green."""
 DARKEST = 0.42  # of a colour is left where the least light falls
 LIGHTING = {
-    "ambient": 0.5, "diffuse": 0.62, "specular": 0.06, "roughness": 0.8, "fresnel": 0.05,
+    "ambient": 0.44, "diffuse": 0.68, "specular": 0.06, "roughness": 0.8, "fresnel": 0.05,
     "facenormalsepsilon": 0.0, "vertexnormalsepsilon": 0.0,
 }  # fmt: skip
 SUN = {"x": -4e4, "y": -6e4, "z": 9e4}  # far away, above the viewer's left shoulder
