@@ -8,7 +8,7 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
-from meshlab_symrecon.pictures.report_scene import ReportScene
+from meshlab_symrecon.pictures.report_scene import ReportScene, thinned
 from meshlab_symrecon.pictures.report_stills import Still, draw_stills
 from meshlab_symrecon.pictures.report_traces import DEVIATION_COLOURS, plotly_script
 from meshlab_symrecon.pictures.report_view import DrawnLayer, View, draw_view
@@ -65,7 +65,8 @@ def report_page(scene: ReportScene, words: ReportWords) -> str:
     SymReconError
         plotly or matplotlib is missing.
     """
-    view = draw_view(scene)
+    parts = thinned(scene)
+    view = draw_view(scene, parts)
     folder = files(FOLDER)
     template = Template(folder.joinpath("report_page.html").read_text(encoding="utf-8"))
     return template.substitute(
@@ -76,7 +77,7 @@ def report_page(scene: ReportScene, words: ReportWords) -> str:
         view_words=escape(_view_words(view, words.title)),
         view_note=escape(_view_note(view, scene)),
         switches="\n".join(_switch(layer) for layer in view.layers),
-        stills="\n".join(_still(still) for still in draw_stills(scene)),
+        stills="\n".join(_still(still) for still in draw_stills(scene, parts)),
         legend="\n".join(_legend(view, scene)),
         sections="\n".join(_section(section) for section in words.sections),
         footer=escape(words.footer),

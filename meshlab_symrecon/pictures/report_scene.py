@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshlab_symrecon.arrays import Booleans, Faces, Floats, Planes, Points
+from meshlab_symrecon.arrays import Booleans, Faces, Floats, Indices, Planes, Points
 from meshlab_symrecon.pictures.projection import Camera
+from meshlab_symrecon.pictures.report_drawing import even_subset, simplified
 from meshlab_symrecon.pictures.scene import PlaneSheet, plane_sheet
 from meshlab_symrecon.pictures.viewpoint import upright, view_of_missing_side
 
-__all__ = ["MOST_POINTS", "MOST_VERTICES", "ReportScene"]
+__all__ = ["DrawnParts", "ReportScene", "thinned"]
 
-MOST_POINTS = 80_000  # of a cloud that are drawn
+MOST_POINTS = 80_000  # of the scan that are drawn; of the invented points half as many
 MOST_VERTICES = 75_000  # of a surface that are drawn
 LYING = 0.9  # cosine from which a plane lies rather than stands
 
@@ -77,3 +78,32 @@ class ReportScene:
         area = float(areas.sum())
         invented = float(areas @ self.share[self.faces].mean(axis=1)) if len(areas) else 0.0
         return area, invented / area if area > 0.0 else 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DrawnParts:
+    """What is drawn of a scene, so that a page stays light.
+
+    Attributes
+    ----------
+    scan, invented : (p,) int, (q,) int
+        Points of the scan; and of the completed cloud, invented ones.
+    points, faces, share : (v, 3) float, (m, 3) int, (v,) float
+        A simpler surface.
+    """
+
+    scan: Indices
+    invented: Indices
+    points: Points
+    faces: Faces
+    share: Floats
+
+
+def thinned(scene: ReportScene) -> DrawnParts:
+    """Choose what is drawn of a scene: everything of a small one."""
+    invented = np.flatnonzero(scene.mirrored)
+    return DrawnParts(
+        even_subset(scene.scan, MOST_POINTS),
+        invented[even_subset(scene.completed[invented], MOST_POINTS // 2)],
+        *simplified(scene.surface, scene.faces, scene.share, MOST_VERTICES),
+    )

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from meshlab_symrecon.errors import SymReconError
 from meshlab_symrecon.pictures.projection import fit, open_screen
 from meshlab_symrecon.pictures.renderer import render
-from meshlab_symrecon.pictures.report_drawing import even_subset, simplified
-from meshlab_symrecon.pictures.report_scene import MOST_POINTS, MOST_VERTICES, ReportScene
+from meshlab_symrecon.pictures.report_scene import DrawnParts, ReportScene
 from meshlab_symrecon.pictures.scene import (
     Item,
     PointCloud,
@@ -38,7 +37,7 @@ class Still:
     caption: str
 
 
-def draw_stills(scene: ReportScene) -> tuple[Still, Still, Still]:
+def draw_stills(scene: ReportScene, parts: DrawnParts) -> tuple[Still, Still, Still]:
     """Return the scan, the completed cloud with its plane, and the surface, from one viewpoint.
 
     Raises
@@ -47,12 +46,11 @@ def draw_stills(scene: ReportScene) -> tuple[Still, Still, Still]:
         matplotlib is missing.
     """
     camera = scene.camera()
-    scan = scene.scan[even_subset(scene.scan, MOST_POINTS)]
-    kept = even_subset(scene.completed, MOST_POINTS)
-    completed, mirrored = scene.completed[kept], scene.mirrored[kept]
-    points, faces, share = simplified(scene.surface, scene.faces, scene.share, MOST_VERTICES)
+    scan, added = scene.scan[parts.scan], scene.completed[parts.invented]
+    completed = np.concatenate([scan, added])
+    mirrored = np.arange(len(completed)) >= len(scan)
     sheets = scene.sheets()[:1]
-    everything = [scan, completed, points, *(sheet.corners for sheet in sheets)]
+    everything = [completed, parts.points, *(sheet.corners for sheet in sheets)]
     seen = np.concatenate(everything) @ camera.axes().T
     spans = np.maximum(np.ptp(seen, axis=0), np.finfo(float).tiny)
     size = (int(np.clip(round(HEIGHT * spans[0] / spans[1]), *WIDTHS)), HEIGHT)
@@ -65,7 +63,7 @@ def draw_stills(scene: ReportScene) -> tuple[Still, Still, Still]:
         ([PointCloud(scan, radius=disc_radius(screen, scan))], "The scan, as it was measured."),
         ([cloud, *sheets], _completed_words(scene)),
         (
-            [TriangleMesh(points, faces, colours_by_share(share))],
+            [TriangleMesh(parts.points, parts.faces, colours_by_share(parts.share))],
             "The reconstructed surface, coloured by the share that was invented.",
         ),
     ]

@@ -13,12 +13,10 @@ from meshlab_symrecon.pictures.projection import Camera
 from meshlab_symrecon.pictures.report_drawing import (
     Frame,
     Singles,
-    even_subset,
     shading,
-    simplified,
     upright_frame,
 )
-from meshlab_symrecon.pictures.report_scene import MOST_POINTS, MOST_VERTICES, ReportScene
+from meshlab_symrecon.pictures.report_scene import DrawnParts, ReportScene
 from meshlab_symrecon.pictures.report_traces import (
     DEVIATION_COLOURS,
     Colour,
@@ -61,8 +59,8 @@ class View:
     deviation_span: float  # at either end of the scale; 0 without deviations
 
 
-def draw_view(scene: ReportScene) -> View:
-    """Return the layers of a reconstruction as an interactive view.
+def draw_view(scene: ReportScene, parts: DrawnParts) -> View:
+    """Return the layers of a reconstruction as an interactive view of its parts.
 
     Raises
     ------
@@ -72,16 +70,13 @@ def draw_view(scene: ReportScene) -> View:
     camera, sheets = scene.camera(), [sheet.corners for sheet in scene.sheets()]
     everything = np.concatenate([scene.scan, scene.completed, scene.surface, *sheets])
     frame = upright_frame(everything, scene.up(), np.array(camera.direction))
-    points, faces, share = simplified(scene.surface, scene.faces, scene.share, MOST_VERTICES)
-    kept = even_subset(scene.scan, MOST_POINTS)
-    added = np.flatnonzero(scene.mirrored)
-    added = added[even_subset(scene.completed[added], MOST_POINTS // 2)]
+    kept, added = parts.scan, parts.invented
     limit = _span(scene.deviation)
 
     stack = Stack()
     stack.add(
         "surface", "Surface", (MEASURED, INVENTED) if len(added) else (MEASURED,),
-        surface_trace(frame.place(points), faces, share), visible=True,
+        surface_trace(frame.place(parts.points), parts.faces, parts.share), visible=True,
     )  # fmt: skip
     if sheets:
         drawn = [trace for sheet in sheets for trace in sheet_traces(frame.place(sheet))]
@@ -102,7 +97,7 @@ def draw_view(scene: ReportScene) -> View:
     return View(
         figure_text(stack.traces, _layout(placed)), tuple(stack.layers),
         json.dumps(_start(camera, scene.planes, frame, placed)), frame,
-        (len(kept), len(added), len(faces)), limit,
+        (len(kept), len(added), len(parts.faces)), limit,
     )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from meshlab_symrecon.cli.main import main
-from meshlab_symrecon.pictures import report_stills, report_view
+from meshlab_symrecon.pictures import report_scene, report_stills
 
 ROOT = Path(__file__).parents[2]
 SCAN = ROOT / "examples/data/nefertiti_incomplete.ply"
@@ -38,8 +38,8 @@ def page(tmp_path_factory):
     folder = tmp_path_factory.mktemp("page größe")
     words = ["reconstruct", SCAN, "-o", folder / "a.ply", "--report", folder / "a page.html"]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(report_view, "MOST_POINTS", 20_000)  # drawn in software, again and again
-        patch.setattr(report_view, "MOST_VERTICES", 20_000)
+        patch.setattr(report_scene, "MOST_POINTS", 20_000)  # drawn in software, again and again
+        patch.setattr(report_scene, "MOST_VERTICES", 20_000)
         patch.setattr(report_stills, "HEIGHT", 200)
         patch.setattr(report_stills, "WIDTHS", (100, 300))
         ended = CliRunner().invoke(main, [str(word) for word in words])

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from meshlab_symrecon.errors import SymReconError
-from meshlab_symrecon.pictures import report_stills, report_view
+from meshlab_symrecon.pictures import report_scene, report_stills
 from meshlab_symrecon.pictures.report import Listing, ReportWords, Section, Table, report_page
 from meshlab_symrecon.pictures.report_drawing import (
     DIMMEST,
@@ -22,10 +22,10 @@ from meshlab_symrecon.pictures.report_drawing import (
     simplified,
     upright_frame,
 )
-from meshlab_symrecon.pictures.report_scene import ReportScene
-from meshlab_symrecon.pictures.report_stills import draw_stills
+from meshlab_symrecon.pictures.report_scene import ReportScene, thinned
+from meshlab_symrecon.pictures.report_stills import draw_stills as draw_stills_of
 from meshlab_symrecon.pictures.report_traces import DEVIATION_COLOURS, figure_text
-from meshlab_symrecon.pictures.report_view import draw_view
+from meshlab_symrecon.pictures.report_view import draw_view as draw_view_of
 from meshlab_symrecon.pictures.scene import INVENTED, MEASURED, PLANE
 
 WORDS = ReportWords("a scan", ("Found.",), (), (), "Made here.")
@@ -86,6 +86,14 @@ def arrays(trace):
         for name, value in [*trace.items(), *trace.get("marker", {}).items()]
         if isinstance(value, dict) and "bdata" in value
     }
+
+
+def draw_view(scene):
+    return draw_view_of(scene, thinned(scene))
+
+
+def draw_stills(scene):
+    return draw_stills_of(scene, thinned(scene))
 
 
 def drawn(scene):
@@ -366,8 +374,8 @@ def test_several_planes_and_lying_ones_have_sheets():
 
 
 def test_large_clouds_are_thinned_and_the_page_says_so(scene, small, monkeypatch):
-    monkeypatch.setattr(report_view, "MOST_POINTS", 1000)
-    monkeypatch.setattr(report_view, "MOST_VERTICES", 700)
+    monkeypatch.setattr(report_scene, "MOST_POINTS", 1000)
+    monkeypatch.setattr(report_scene, "MOST_VERTICES", 700)
     view = draw_view(scene)
     points, invented, triangles = view.drawn
     assert points <= 1000
