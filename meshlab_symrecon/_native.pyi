@@ -290,3 +290,13 @@ def propagate_sparse_affinity(
 def propagate_dense_affinity(
     similarities: NDArray[np.float64], damping: float, most: int, calm: int
 ) -> tuple[NDArray[np.uint8], bool, bool, int, float, int]: ...
+def closest_faces(
+    points: NDArray[np.float64],
+    faces: NDArray[np.int32],
+    normals: NDArray[np.float64],
+    places: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    least_cosine: float,
+    sided: bool,
+    within: float,
+) -> tuple[NDArray[np.int32], NDArray[np.float64]]: ...

@@ -87,11 +87,22 @@ def same_surface(rest: Outcome, moved: Outcome, motion: shapes.Motion) -> None:
     )
 
 
+def same_deviation(rest: Outcome, moved: Outcome, motion: shapes.Motion) -> None:
+    for name in ("median", "percentile_95", "rms", "tolerance"):
+        assert moved.measures[name] / motion.scale == pytest.approx(rest.measures[name], rel=1e-6)
+    for name in ("within_tolerance", "without_counterpart", "signed"):
+        assert moved.measures[name] == pytest.approx(rest.measures[name], abs=1e-12)
+    before, after = (np.sort(outcome.scalars[0].quality) for outcome in (rest, moved))
+    scale = motion.scale * rest.measures["rms"]
+    np.testing.assert_allclose(after / scale, before * motion.scale / scale, atol=1e-6)
+
+
 STATUE = shapes.statue(2500, seed=5)
 CASES = {
     "generate_reflection_planes": Case(STATUE, same_planes),
     "generate_mirror_completed_points": Case(STATUE, same_cloud),
     "generate_surface_reconstruction_power_crust": Case(STATUE, same_surface),
+    "compute_scalar_by_mirror_symmetry_per_vertex": Case(STATUE, same_deviation),
 }
 
 
@@ -101,9 +112,10 @@ def apply(item: Filter, points: np.ndarray, planes: np.ndarray = MIRROR) -> Outc
 
 def arrays_of(outcome: Outcome) -> list[bytes]:
     found = []
-    for layer in outcome.layers:
-        values = [getattr(layer, field.name) for field in fields(layer)]
+    for made in (*outcome.layers, *outcome.scalars):
+        values = [getattr(made, field.name) for field in fields(made)]
         found += [value.tobytes() for value in values if isinstance(value, np.ndarray)]
+        found += [value.tobytes() for value in made.attributes.values()]
     told = (value for name, value in outcome.measures.items() if name != "seconds")
     return found + [repr(value).encode() for value in told]
 
@@ -122,7 +134,7 @@ def test_it_runs_leaves_its_input_and_repeats_its_bytes(item):
     layers = document(points)
     kept = arrays_of(Outcome((layers.get(0), layers.get(1))))
     first, second = item.apply(layers, {}), item.apply(layers, {})
-    assert first.layers
+    assert first.layers or first.scalars
     assert arrays_of(Outcome((layers.get(0), layers.get(1)))) == kept
     assert arrays_of(first) == arrays_of(second)
     assert {layer.label for layer in first.layers} <= set(item.creates)
@@ -172,8 +184,9 @@ def test_bad_points_give_one_sentence(item, name):
 def test_duplicates_do_no_harm(item):
     case = CASES[item.python_name]
     doubled = apply(item, np.vstack([case.points, case.points[::5]]))
-    assert doubled.layers
-    assert np.isfinite(layer_points(doubled)).all()
+    assert doubled.layers or doubled.scalars
+    assert all(np.isfinite(layer.points).all() for layer in doubled.layers)
+    assert all(np.isfinite(scalars.quality).all() for scalars in doubled.scalars)
 
 
 @every_filter

@@ -52,14 +52,18 @@ def _text(attributes: Mapping[str, str]) -> str:
     return " ".join(attributes[part] for part in spread)
 
 
-def record(mesh_set: Any, item: Filter, parameters: ParameterSet) -> bool:
+def record(mesh_set: Any, item: Filter, parameters: ParameterSet, native_steps: int = 0) -> bool:
     """Append a step of ours to the history; return False when the history cannot be rewritten.
 
-    A history that holds a camera cannot be: the native reader would abort.
+    A history that holds a camera cannot be: the native reader would abort. Ours takes the place of
+    the last ``native_steps``, which were its own means.
     """
     root = _saved(mesh_set)
     if any(element.get("type") == UNREADABLE for element in root.iter("Param")):
         return False
+    steps = root.findall("filter")
+    for step in steps[len(steps) - native_steps :]:
+        root.remove(step)
     root.append(step_element(item, parameters))
     _load(mesh_set, root)
     return True

@@ -6,7 +6,7 @@ nothing here keeps one.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cache, partial
 from typing import Any
 
@@ -20,11 +20,19 @@ from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.plugin import Layer, Layers
 
-__all__ = ["add_layer", "check_addable", "current_identifier", "layers_of", "read_layer"]
+__all__ = [
+    "SCALAR_PREFIX",
+    "add_layer",
+    "attribute_names",
+    "check_addable",
+    "current_identifier",
+    "layers_of",
+    "read_layer",
+]
 
 HALF_A_STEP = 0.5 / 255.0  # pymeshlab cuts colours down to bytes; this makes it round
 ROUNDED = 1e-12  # what products and inverses of matrices leave in the last row
-ATTRIBUTE_PREFIX = "__ca_vs__"  # how the options of a PLY file list custom scalars of vertices
+SCALAR_PREFIX = "__ca_vs__"  # how the options of a PLY file list custom scalars of vertices
 
 
 def layers_of(mesh_set: Any) -> Layers:
@@ -123,6 +131,22 @@ def check_addable(layer: Layer) -> None:
         raise HostError(message)
 
 
+def attribute_names(mesh_set: Any, identifier: int, prefix: str = SCALAR_PREFIX) -> tuple[str, ...]:
+    """List a layer's custom attributes of one kind, in lower case.
+
+    pymeshlab only tells them among the current layer's options for PLY files.
+    """
+    current = current_identifier(mesh_set)
+    mesh_set.set_current_mesh(identifier)
+    try:
+        options = mesh_set.filter_parameter_values("ply")
+    finally:
+        if current >= 0:
+            mesh_set.set_current_mesh(current)
+    listed = (option for option in options if option.startswith(prefix))
+    return tuple(option.removeprefix(prefix) for option in listed)
+
+
 def _mesh_of(layer: Layer) -> Any:
     optional: dict[str, ArrayLike | None] = {
         "face_matrix": layer.faces if len(layer.faces) else None,
@@ -188,7 +212,7 @@ def _selection(flags: ArrayLike) -> Booleans | None:
 
 def _attributes(mesh_set: Any, identifier: int) -> Mapping[str, Floats]:
     found = {}
-    for name in _attribute_names(mesh_set, identifier):
+    for name in attribute_names(mesh_set, identifier):
         try:
             values = mesh_set.mesh(identifier).vertex_custom_scalar_attribute_array(name)
         except pymeshlab.PyMeshLabException:
@@ -200,22 +224,6 @@ def _attributes(mesh_set: Any, identifier: int) -> Mapping[str, Floats]:
         else:
             found[name] = _sealed(_floats(values))
     return found
-
-
-def _attribute_names(mesh_set: Any, identifier: int) -> Iterable[str]:
-    """List custom scalars; pymeshlab only does so for the current layer's PLY options."""
-    current = current_identifier(mesh_set)
-    mesh_set.set_current_mesh(identifier)
-    try:
-        options = mesh_set.filter_parameter_values("ply")
-    finally:
-        if current >= 0:
-            mesh_set.set_current_mesh(current)
-    return [
-        option.removeprefix(ATTRIBUTE_PREFIX)
-        for option in options
-        if option.startswith(ATTRIBUTE_PREFIX)
-    ]
 
 
 def _floats(values: ArrayLike) -> Floats:

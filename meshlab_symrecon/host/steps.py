@@ -13,6 +13,7 @@ from meshlab_symrecon.host.meshset import add_layer, check_addable, layers_of
 from meshlab_symrecon.host.native_filters import apply_native, find_native, is_native
 from meshlab_symrecon.host.native_values import parse_native
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.scalars import NATIVE_STEPS, check_writable, write_scalars
 from meshlab_symrecon.plugin import Filter, Outcome, Progress
 from meshlab_symrecon.plugin.filter import silent
 from meshlab_symrecon.plugin.parameters import nearest_names
@@ -130,7 +131,7 @@ def _unknown(name: str) -> str:
 def run_filter(
     mesh_set: Any, item: Filter, values: Mapping[str, object], progress: Progress = silent
 ) -> dict[str, Any]:
-    """Run a plugin's filter: add its layers, record the step, warn; return its measures.
+    """Run a plugin's filter: write what it made, record the step, warn; return its measures.
 
     Raises
     ------
@@ -141,8 +142,9 @@ def run_filter(
     """
     parameters = item.bind(values)
     outcome = item.apply(layers_of(mesh_set), values, progress)
-    _add_layers(mesh_set, item, outcome)
-    if not history.record(mesh_set, item, parameters):
+    _write(mesh_set, item, outcome)
+    native_steps = NATIVE_STEPS * len(outcome.scalars)
+    if not history.record(mesh_set, item, parameters, native_steps):
         warn_user(
             f"'{item.menu_name}' ran, but is not in the filter history: a step before it holds a "
             "camera, which MeshLab cannot read back"
@@ -152,7 +154,8 @@ def run_filter(
     return dict(outcome.measures)
 
 
-def _add_layers(mesh_set: Any, item: Filter, outcome: Outcome) -> None:
+def _write(mesh_set: Any, item: Filter, outcome: Outcome) -> None:
+    """Write scalars into layers, and add the new layers: all or nothing."""
     chosen = outcome.current
     if chosen is not None and outcome.layers and chosen not in range(len(outcome.layers)):
         message = (
@@ -160,8 +163,12 @@ def _add_layers(mesh_set: Any, item: Filter, outcome: Outcome) -> None:
             "the current one; report this to its author"
         )
         raise HostError(message)
-    for layer in outcome.layers:  # all or none
+    for layer in outcome.layers:
         check_addable(layer)
+    for scalars in outcome.scalars:
+        check_writable(mesh_set, scalars)
+    for scalars in outcome.scalars:
+        write_scalars(mesh_set, scalars)
     identifiers = [add_layer(mesh_set, layer, current=False) for layer in outcome.layers]
     if chosen is not None and identifiers:
         mesh_set.set_current_mesh(identifiers[chosen])

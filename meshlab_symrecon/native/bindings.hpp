@@ -6,6 +6,7 @@
 namespace symrecon {
 
 void bind_clustering(nanobind::module_& module);
+void bind_deviation(nanobind::module_& module);
 void bind_crust(nanobind::module_& module);
 void bind_noise(nanobind::module_& module);
 void bind_labels(nanobind::module_& module);

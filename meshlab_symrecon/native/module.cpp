@@ -135,6 +135,7 @@ NB_MODULE(_native, module) {
              nb::arg("fused"));
   module.def("perturbed_power_test", &perturbed_power_test_of, nb::arg("points"), nb::arg("weights"));
   bind_clustering(module);
+  bind_deviation(module);
   bind_crust(module);
   bind_noise(module);
   bind_labels(module);

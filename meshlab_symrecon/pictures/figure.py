@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from meshlab_symrecon.errors import FileError, SymReconError
 from meshlab_symrecon.pictures.renderer import BACKGROUND
 
-__all__ = ["Panel", "save_panels"]
+__all__ = ["BODY", "DPI", "FAINT", "FONT", "INK", "Panel", "drawing_tools", "save_panels"]
 
 DPI = 100
 INK, FAINT = "#2e2a26", "#857d73"
+FONT = {"font.family": "DejaVu Sans", "text.usetex": False, "text.hinting": "none"}
 HEADING, BODY = 26.0, 19.0  # pixels
 LINE = 34  # pixels from one line of text to the next
 GAP = 24  # pixels between panels, and round all of them
@@ -34,8 +35,18 @@ class Panel:
     swatches: tuple[tuple[str, tuple[int, int, int]], ...] = ()  # words and their colours
 
 
-def _matplotlib() -> tuple[Any, Any, Any]:
-    """Import matplotlib, which is an extra, only when a picture is saved."""
+def drawing_tools() -> tuple[Any, Any, Any]:
+    """Import matplotlib, which is an extra, only when a picture is saved.
+
+    Returns
+    -------
+    rc_context, FigureCanvasAgg, Figure
+
+    Raises
+    ------
+    SymReconError
+        matplotlib cannot be imported.
+    """
     try:
         from matplotlib import rc_context
         from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -71,8 +82,8 @@ def save_panels(path: str | Path, panels: Sequence[Panel], title: str = "") -> N
     FileError
         The file cannot be written.
     """
-    rc_context, canvas_class, figure_class = _matplotlib()
-    with rc_context({"font.family": "DejaVu Sans", "text.usetex": False, "text.hinting": "none"}):
+    rc_context, canvas_class, figure_class = drawing_tools()
+    with rc_context(FONT):
         figure = _lay_out(panels, title, figure_class)
         canvas = canvas_class(figure)
         _replace(Path(path), canvas)

@@ -9,7 +9,7 @@ from meshlab_symrecon.arrays import Booleans, Floats, Planes, Points
 from meshlab_symrecon.pictures.projection import Camera, Screen, open_screen
 from meshlab_symrecon.pictures.rasterisation import empty_buffer, splat_discs
 
-__all__ = ["disc_radius", "upright", "view_of_missing_side"]
+__all__ = ["disc_radius", "upright", "view_of_missing_side", "views_of_both_sides"]
 
 NEARLY = np.cos(np.radians(25.0))  # a scan that leans less than this was stood on its axis
 AZIMUTH = np.radians(38.0)  # from straight ahead towards the missing side
@@ -90,6 +90,27 @@ def view_of_missing_side(points: Points, mirrored: Booleans, planes: Planes) -> 
         (_camera(ahead, aside, up), _camera(-ahead, aside, up)),
         key=lambda camera: _visible_share(camera, points, mirrored),
     )
+
+
+def views_of_both_sides(points: Points, planes: Planes) -> tuple[Camera, Camera]:
+    """Choose two cameras, obliquely before either side of the mirror plane.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        The object.
+    planes : (k, 4) float
+        The best one first, at least one.
+
+    Notes
+    -----
+    Front is where a coordinate axis says it may be: most scans look along one of them, towards
+    positive numbers.
+    """
+    up, aside = upright(points, planes), planes[0, :3]
+    ahead = np.cross(aside, up)
+    ahead = ahead * np.sign(ahead[np.argmax(np.abs(ahead))])
+    return _camera(ahead, aside, up), _camera(ahead, -aside, up)
 
 
 def _visible_share(camera: Camera, points: Points, chosen: Booleans) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from meshlab_symrecon.plugin.filter import Citation, Filter, Progress
-from meshlab_symrecon.plugin.layers import Layer, Layers, Outcome
+from meshlab_symrecon.plugin.layers import Layer, Layers, Outcome, VertexScalars
 from meshlab_symrecon.plugin.parameter_sets import (
     ParameterSet,
     boolean,
@@ -24,6 +24,7 @@ __all__ = [
     "Outcome",
     "ParameterSet",
     "Progress",
+    "VertexScalars",
     "boolean",
     "choice",
     "diagonal_fraction",

@@ -12,7 +12,7 @@ import numpy as np
 from meshlab_symrecon.arrays import Booleans, Faces, Floats, Points
 from meshlab_symrecon.errors import GeometryError, ParameterError
 
-__all__ = ["Layer", "Layers", "Outcome"]
+__all__ = ["Layer", "Layers", "Outcome", "VertexScalars"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,6 +130,29 @@ class Layers:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class VertexScalars:
+    """New scalars for the vertices of a layer that is in the document; all else of it stays.
+
+    Attributes
+    ----------
+    identifier : int
+        The layer's number.
+    quality : (n,) float
+        Takes the place of its vertex quality.
+    name : str
+        Of the custom attribute in which the same numbers are kept.
+    attributes : mapping of str to (n,) float
+        More custom attributes. A document cannot overwrite one: where a name is taken already, a
+        number is appended to it.
+    """
+
+    identifier: int
+    quality: Floats
+    name: str
+    attributes: Mapping[str, Floats] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
     """What a filter made.
 
@@ -143,9 +166,12 @@ class Outcome:
         What the Python method returns: numbers, booleans, texts and arrays by name.
     warnings : tuple of str
         Sentences the user should read.
+    scalars : tuple of VertexScalars
+        What is written into layers that were there.
     """
 
     layers: tuple[Layer, ...] = ()
     current: int | None = 0
     measures: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    scalars: tuple[VertexScalars, ...] = ()

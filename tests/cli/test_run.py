@@ -41,7 +41,7 @@ def test_the_shipped_script_gives_the_same_surface_to_the_last_bit(run, statue, 
 
 @pytest.mark.parametrize("script", SHIPPED, ids=lambda path: path.name)
 def test_shipped_scripts_name_every_parameter_with_its_default(script):
-    assert len(SHIPPED) == 4
+    assert len(SHIPPED) == 5
     for step in resolve_script(read_script(script)):
         assert step.notes == ()
         if step.python_name in registry():
@@ -58,6 +58,10 @@ def test_shipped_scripts_run(run, statue, tmp_path, script):
     measured = len(read_layer(load(statue), 0).points)
     if script.name == "detect.mlx":
         assert len(layer.points) == measured
+    elif script.name == "deviation.mlx":
+        assert len(layer.points) == measured
+        assert layer.quality.min() < 0.0 < layer.quality.max()
+        assert layer.colours is not None
     elif script.name == "complete.mlx":
         assert np.array_equal(np.unique(layer.quality), [0.0, 1.0])
         assert np.count_nonzero(layer.quality == 0) == measured

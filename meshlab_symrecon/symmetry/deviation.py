@@ -1,0 +1,266 @@
+"""How far a scan is from its own mirror image: wear, repairs and asymmetry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from meshlab_symrecon.arrays import (
+    Booleans,
+    Faces,
+    Floats,
+    Indices,
+    Points,
+    as_faces,
+    as_normals,
+    as_planes,
+    as_points,
+)
+from meshlab_symrecon.errors import GeometryError, ParameterError
+from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
+from meshlab_symrecon.geometry.deviation import (
+    Facing,
+    Heights,
+    first_alike,
+    heights_over_cloud,
+    heights_over_mesh,
+    vertex_normals,
+    welded,
+)
+from meshlab_symrecon.geometry.local_planes import local_planes
+from meshlab_symrecon.geometry.planes import reflect, reflect_directions
+from meshlab_symrecon.geometry.sampling import principal_frame
+from meshlab_symrecon.geometry.surfaces import enclosed_volume, topology
+from meshlab_symrecon.symmetry.sides import CONSISTENT, agreement_with_shape, outward_normals
+
+__all__ = ["FARTHEST", "TOLERANCE", "MirrorDeviation", "mirror_deviation"]
+
+Progress: TypeAlias = Callable[[float, str], None]
+
+# Lengths are in diagonals of the scan.
+TOLERANCE = 0.005  # what counts as symmetric
+FARTHEST = 0.05  # a surface farther from the mirror image is another part, not its counterpart
+FACING = 0.5  # cosine of 60 degrees, between normals that face the same way
+REACH_SPACINGS = 2.5  # off to the side of the nearest sample, an image is over a hole
+SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
+RIM_REACH = 0.005  # off to the side of the border of a mesh, an image is over a hole
+SLANT = 0.36  # tangent of 20 degrees: farther from the surface, that much more to the side
+STEEP_SLANT = 1.73  # tangent of 60 degrees: over an edge of a mesh, places lie off to its side
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MirrorDeviation:
+    """Distances of the points of a scan to its mirror image, in the units of the points.
+
+    The summary is over the points that have a counterpart; NaN when none has.
+    """
+
+    distances: Floats  # (n,)  positive outside the mirror image; 0 without counterpart
+    has_counterpart: Booleans  # (n,)  False: nothing was measured where the mirror image falls
+    signed: bool  # False: inside and outside could not be told; no distance is negative
+    tolerance: float
+    median: float  # of the absolute distances
+    percentile_95: float  # of the absolute distances
+    rms: float
+    share_within: float  # share of the points that are within the tolerance
+
+
+def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
+    points: ArrayLike,
+    plane: ArrayLike,
+    faces: ArrayLike | None = None,
+    normals: ArrayLike | None = None,
+    *,
+    chosen: ArrayLike | None = None,
+    tolerance: float = TOLERANCE,
+    farthest: float = FARTHEST,
+    progress: Progress | None = None,
+) -> MirrorDeviation:
+    """Measure how far each point of a scan is from the scan's own mirror image.
+
+    The mirror image of each point is measured against the surface that faces the same way as it
+    does: exactly for a mesh, against the tangent plane of the nearest sample for a cloud. Since a
+    reflection keeps lengths, this is the distance of the point to the mirrored surface.
+
+    A point has no counterpart where its image falls into a hole or beyond a rim, and where what
+    lies there is farther than ``farthest`` or faces another way: a missing part is not wear.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+    plane : (4,) float
+        ``Ax + By + Cz + D = 0``.
+    faces : (m, 3) int, optional
+        Triangles, counterclockwise seen from outside; without them the points are a cloud.
+    normals : (n, 3) float, optional
+        Of a cloud. Only their sides are used, unless they contradict each other or the shape.
+    chosen : (n,) bool, optional
+        Measure these points only; the others get 0 and no counterpart.
+    tolerance : float
+        What counts as symmetric, in diagonals of the scan.
+    farthest : float
+        Where a counterpart is sought, in diagonals.
+    progress : callable, optional
+        Called with a fraction and a message.
+
+    Raises
+    ------
+    GeometryError
+        Arrays of the wrong shape, values that are not finite, or points in one plane.
+    ParameterError
+        ``tolerance`` or ``farthest`` not positive.
+    """
+    for name, value in (("tolerance", tolerance), ("farthest", farthest)):
+        if not (np.isfinite(value) and value > 0.0):
+            message = f"{name} must be a positive share of the diagonal; got {value!r}; use 0.005"
+            raise ParameterError(message)
+    scan = as_points(points)
+    require_solid(scan, "mirror deviation")
+    mirror = as_planes(np.asarray(plane)[np.newaxis])[0]
+    triangles = as_faces(np.zeros((0, 3)) if faces is None else faces, len(scan))
+    hints = None if normals is None else as_normals(normals, len(scan))
+    everything = np.ones(len(scan), dtype=np.bool_)
+    rows = _rows(everything if chosen is None else chosen, len(scan))
+
+    report = progress or _silent
+    report(0.0, "looking at the surface")
+    framed, frame = _in_own_frame(scan)
+    if len(triangles):
+        measure = _over_mesh(framed, triangles, farthest)
+    else:
+        measure = _over_cloud(framed, None if hints is None else hints @ frame.axes.T, farthest)
+    report(0.5, "comparing with the mirror image")
+    heights, counterpart, signed = measure(rows, frame.plane(mirror))
+    distances, has_counterpart = np.zeros(len(scan)), np.zeros(len(scan), dtype=bool)
+    distances[rows] = frame.diagonal * np.where(counterpart, heights, 0.0)
+    has_counterpart[rows] = counterpart
+    report(1.0, "measured")
+    return _summed(distances, has_counterpart, tolerance * frame.diagonal, signed)
+
+
+_Measured: TypeAlias = tuple[Floats, Booleans, bool]  # heights, which of them count, are signed
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Frame:
+    """Along the principal axes, of unit size: what is done in it follows every motion."""
+
+    centre: Floats  # (3,)
+    axes: Floats  # (3, 3)  rows, right-handed: faces do not turn over
+    diagonal: float
+
+    def plane(self, plane: Floats) -> Floats:
+        """Return a plane of the input in this frame."""
+        offset = (plane[3] + plane[:3] @ self.centre) / self.diagonal
+        return np.append(self.axes @ plane[:3], offset)
+
+
+def _in_own_frame(scan: Points) -> tuple[Points, _Frame]:
+    centre, axes = principal_frame(scan)
+    axes[2] *= np.sign(np.linalg.det(axes))
+    turned = (scan - centre) @ axes.T
+    diagonal = robust_diagonal(turned)
+    return turned / diagonal, _Frame(centre, axes, diagonal)
+
+
+def _silent(fraction: float, message: str) -> None:
+    """Report progress to nobody."""
+
+
+def _rows(chosen: ArrayLike, count: int) -> Indices:
+    flags = np.asarray(chosen)
+    if flags.shape != (count,) or flags.dtype != np.bool_:
+        message = (
+            f"chosen must be {count} booleans, one a point; got {flags.dtype} of shape "
+            f"{flags.shape}; leave it out to measure all"
+        )
+        raise GeometryError(message)
+    return np.flatnonzero(flags)
+
+
+def _over_cloud(
+    points: Points, given: Points | None, farthest: float
+) -> Callable[[Indices, Floats], _Measured]:
+    """Return what measures rows of a cloud against its mirror image across a plane."""
+    distinct, sample = np.unique(first_alike(points), return_inverse=True)
+    samples = points[distinct]
+    planes = local_planes(samples)
+    hints = None if given is None else given[distinct]
+    normals, sided = outward_normals(samples, planes.normals, hints)
+    low, high = (factor * float(np.median(planes.spacing)) for factor in SPACING_RANGE)
+    reach = REACH_SPACINGS * np.clip(planes.spacing, low, high)
+    facing = Facing(FACING, sided, farthest)
+
+    def measure(rows: Indices, plane: Floats) -> _Measured:
+        images = reflect(points[rows], plane)
+        directions = reflect_directions(normals[sample.reshape(-1)[rows]], plane)
+        found = heights_over_cloud(images, directions, samples, normals, facing)
+        over = found.aside <= np.maximum(reach[found.nearest], SLANT * np.abs(found.heights))
+        return _signed(found, over, sided)
+
+    return measure
+
+
+def _over_mesh(
+    points: Points, faces: Faces, farthest: float
+) -> Callable[[Indices, Floats], _Measured]:
+    """Return what measures vertices of a mesh against its mirror image across a plane."""
+    surface, vertex = welded(points, faces)
+    normals = vertex_normals(points, surface)
+    outwards = _winding(points, normals, surface)
+    sided = outwards != 0
+    if outwards < 0:
+        surface, normals = surface[:, ::-1], -normals
+    facing = Facing(FACING, sided, farthest)
+
+    def measure(rows: Indices, plane: Floats) -> _Measured:
+        directions = reflect_directions(normals[vertex[rows]], plane)
+        found = heights_over_mesh(reflect(points[rows], plane), directions, points, surface, facing)
+        slant = np.where(found.on_rim, SLANT, STEEP_SLANT)
+        over = found.aside <= np.maximum(RIM_REACH, slant * np.abs(found.heights))
+        return _signed(found, over, sided)
+
+    return measure
+
+
+def _winding(points: Points, normals: Points, faces: Faces) -> int:
+    """Return 1 when the faces of a mesh face outwards, -1 when inwards, 0 when they contradict.
+
+    The volume tells it of a closed mesh; the winding of an open one is believed unless its shape
+    speaks clearly against it.
+    """
+    shape = topology(faces)
+    if shape.closed and shape.oriented:
+        return 1 if enclosed_volume(points, faces) >= 0.0 else -1
+    used = np.unique(faces)
+    agreement = agreement_with_shape(points[used], normals[used])
+    if agreement is not None and agreement <= 1.0 - CONSISTENT:
+        return -1
+    trusted = shape.oriented or (agreement is not None and agreement >= CONSISTENT)
+    return 1 if trusted else 0
+
+
+def _signed(found: Heights, over: Booleans, sided: bool) -> _Measured:
+    heights = found.heights if sided else np.abs(found.heights)
+    return heights, over & (found.nearest >= 0), sided
+
+
+def _summed(
+    distances: Floats, has_counterpart: Booleans, tolerance: float, signed: bool
+) -> MirrorDeviation:
+    sizes = np.abs(distances[has_counterpart])
+    known = len(sizes) > 0
+    return MirrorDeviation(
+        distances=distances,
+        has_counterpart=has_counterpart,
+        signed=signed,
+        tolerance=tolerance,
+        median=float(np.median(sizes)) if known else np.nan,
+        percentile_95=float(np.quantile(sizes, 0.95)) if known else np.nan,
+        rms=float(np.sqrt(np.mean(sizes**2))) if known else np.nan,
+        share_within=float(np.mean(sizes <= tolerance)) if known else np.nan,
+    )
