@@ -8,9 +8,10 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
+from meshlab_symrecon.pictures.deviation_colours import STOPS
 from meshlab_symrecon.pictures.report_scene import ReportScene, thinned
 from meshlab_symrecon.pictures.report_stills import Still, draw_stills
-from meshlab_symrecon.pictures.report_traces import DEVIATION_COLOURS, plotly_script
+from meshlab_symrecon.pictures.report_traces import plotly_script
 from meshlab_symrecon.pictures.report_view import DrawnLayer, View, draw_view
 from meshlab_symrecon.pictures.scene import INVENTED, MEASURED, PLANE
 
@@ -144,7 +145,7 @@ def _legend(view: View, scene: ReportScene) -> list[str]:
     if view.deviation_span > 0.0:
         span = f"{view.deviation_span:.3g}"
         words = f"deviation from -{span} (inside) to +{span} (outside), in the file's unit"
-        entries.append(_swatch(DEVIATION_COLOURS, " bar") + escape(words))
+        entries.append(_swatch([colour for _, colour in STOPS], " bar") + escape(words))
     return [f"<li>{entry}</li>" for entry in entries]
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from meshlab_symrecon.arrays import Floats, Planes
+from meshlab_symrecon.pictures.deviation_colours import STOPS, colour_limit
 from meshlab_symrecon.pictures.projection import Camera
 from meshlab_symrecon.pictures.report_drawing import (
     Frame,
@@ -18,7 +19,6 @@ from meshlab_symrecon.pictures.report_drawing import (
 )
 from meshlab_symrecon.pictures.report_scene import DrawnParts, ReportScene
 from meshlab_symrecon.pictures.report_traces import (
-    DEVIATION_COLOURS,
     Colour,
     cloud_trace,
     deviation_trace,
@@ -30,7 +30,6 @@ from meshlab_symrecon.pictures.scene import INVENTED, MEASURED, PLANE
 
 __all__ = ["DrawnLayer", "View", "draw_view"]
 
-SPAN = 0.98  # of the deviations lie within the scale; what lies beyond has its end colours
 ROOM = 1.01  # half the box of the view / half that of what is in it: plotly cuts what sticks out
 ACROSS = 24  # steps in which the view is told how wide the object is
 FIELD = np.tan(np.pi / 8.0)  # half of plotly's field of view
@@ -92,7 +91,8 @@ def draw_view(scene: ReportScene, parts: DrawnParts) -> View:
     if scene.deviation is not None and limit > 0.0:
         known = kept[np.isfinite(scene.deviation[kept])]
         map_ = deviation_trace(frame.place(scene.scan[known]), scene.deviation[known], limit)
-        stack.add("deviation", "Deviation from the mirror image", DEVIATION_COLOURS, map_)
+        colours = tuple(colour for _, colour in STOPS)
+        stack.add("deviation", "Deviation from the mirror image", colours, map_)
     placed = frame.place(everything)
     return View(
         figure_text(stack.traces, _layout(placed)), tuple(stack.layers),
@@ -120,11 +120,11 @@ class Stack:
 
 
 def _span(deviation: Floats | None) -> float:
-    """Return the deviation, up or down, that all but the largest stay within."""
-    if deviation is None:
+    """Return the deviation that has the deepest colour; 0 where nothing was compared."""
+    if deviation is None or not np.isfinite(deviation).any():
         return 0.0
-    known = np.abs(deviation[np.isfinite(deviation)])
-    return float(np.quantile(known, SPAN)) if len(known) else 0.0
+    known = np.isfinite(deviation)
+    return colour_limit(np.where(known, deviation, 0.0), known)
 
 
 def _layout(placed: Singles) -> dict[str, Any]:
