@@ -100,6 +100,7 @@ def rounded(number: float) -> str:
 
 
 def planes_table(planes: Sequence[Mapping[str, Any]]) -> Table:
+    """Return the planes, best first."""
     columns = ("Plane", "A", "B", "C", "D", "Support", "Residual", "Confidence")
     rows = [
         (
@@ -112,6 +113,13 @@ def planes_table(planes: Sequence[Mapping[str, Any]]) -> Table:
 
 
 def files_table(scan: Path) -> Table:
+    """Return what is needed to know the scan and the programs again.
+
+    Raises
+    ------
+    FileError
+        The scan cannot be read again for its checksum.
+    """
     digest, size = _checksum(scan)
     rows = [
         ("Scan", scan.name),
@@ -138,9 +146,11 @@ def _checksum(path: Path) -> tuple[str, int]:
 
 
 def counted(number: int, what: str) -> str:
+    """Write a number of things."""
     return f"{number:,} {what}" + ("" if number == 1 else "s")
 
 
 def percent(share: float) -> str:
+    """Write a share of 0 to 1."""
     shown = 100.0 * share
     return f"{shown:.0f} %" if shown >= 10.0 or shown == 0.0 else f"{shown:.1f} %"

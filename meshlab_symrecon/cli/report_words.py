@@ -16,7 +16,6 @@ from meshlab_symrecon.cli.report_tables import (
     numbers_table,
     percent,
     planes_table,
-    rounded,
 )
 from meshlab_symrecon.cli.reports import detection
 from meshlab_symrecon.pictures.report import ReportWords, Section
@@ -112,8 +111,8 @@ def _compared(deviation: Deviation) -> list[str]:
     if not found:
         return []
     return [
-        f"Where both sides were measured, they differ by {rounded(found['median'])} (median; 95 % "
-        f"of the points by less than {rounded(found['percentile_95'])}), in the file's unit; "
+        f"Where both sides were measured, they differ by {found['median']:.2g} (median; 95 % "
+        f"of the points by less than {found['percentile_95']:.2g}), in the file's unit; "
         f"{percent(found['without_counterpart'])} of the scan has no counterpart to compare with."
     ]
 

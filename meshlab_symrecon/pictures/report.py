@@ -8,7 +8,7 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
-from meshlab_symrecon.pictures.deviation_colours import STOPS
+from meshlab_symrecon.pictures.deviation_colours import STOPS, UNKNOWN
 from meshlab_symrecon.pictures.report_scene import ReportScene, thinned
 from meshlab_symrecon.pictures.report_stills import Still, draw_stills
 from meshlab_symrecon.pictures.report_traces import plotly_script
@@ -146,6 +146,7 @@ def _legend(view: View, scene: ReportScene) -> list[str]:
         span = f"{view.deviation_span:.3g}"
         words = f"deviation from -{span} (inside) to +{span} (outside), in the file's unit"
         entries.append(_swatch([colour for _, colour in STOPS], " bar") + escape(words))
+        entries.append(_swatch([UNKNOWN]) + "nothing to compare with on the other side")
     return [f"<li>{entry}</li>" for entry in entries]
 
 

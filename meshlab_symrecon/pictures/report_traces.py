@@ -116,7 +116,7 @@ def cloud_trace(placed: Singles, light: Levels, colour: Colour) -> Any:
 def deviation_trace(placed: Singles, deviation: Floats, limit: float) -> Any:
     """Return points coloured by their deviation, from ``-limit`` to ``limit``."""
     marker = {
-        "size": _size(len(placed)) + 0.4,  # over the same points of the scan
+        "size": _size(len(placed)) + 0.6,  # over the same points of the scan
         "color": deviation.astype(np.float32), "cmin": -limit, "cmax": limit,
         "colorscale": [((place + 1.0) / 2.0, _css(colour)) for place, colour in STOPS],
         "line": {"width": 0},

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from meshlab_symrecon.arrays import Floats, Planes
-from meshlab_symrecon.pictures.deviation_colours import STOPS, colour_limit
+from meshlab_symrecon.pictures.deviation_colours import STOPS, UNKNOWN, colour_limit
 from meshlab_symrecon.pictures.projection import Camera
 from meshlab_symrecon.pictures.report_drawing import (
     Frame,
@@ -81,18 +81,22 @@ def draw_view(scene: ReportScene, parts: DrawnParts) -> View:
         drawn = [trace for sheet in sheets for trace in sheet_traces(frame.place(sheet))]
         words = "Mirror plane" if len(sheets) == 1 else "Mirror planes"
         stack.add("planes", words, (PLANE,), *drawn, visible=True)
-    light = shading(scene.scan_normals, scene.scan, frame)[kept]
-    cloud = cloud_trace(frame.place(scene.scan[kept]), light, MEASURED)
+    light_of_scan = shading(scene.scan_normals, scene.scan, frame)[kept]
+    cloud = cloud_trace(frame.place(scene.scan[kept]), light_of_scan, MEASURED)
     stack.add("scan", "Scan (measured points)", (MEASURED,), cloud)
     if len(added):
         light = shading(scene.completed_normals, scene.completed, frame)[added]
         cloud = cloud_trace(frame.place(scene.completed[added]), light, INVENTED)
         stack.add("invented", "Invented points", (INVENTED,), cloud)
     if scene.deviation is not None and limit > 0.0:
-        known = kept[np.isfinite(scene.deviation[kept])]
-        map_ = deviation_trace(frame.place(scene.scan[known]), scene.deviation[known], limit)
+        known = np.isfinite(scene.deviation[kept])
+        there, alone = kept[known], kept[~known]
         colours = tuple(colour for _, colour in STOPS)
-        stack.add("deviation", "Deviation from the mirror image", colours, map_)
+        stack.add(
+            "deviation", "Deviation from the mirror image", colours,
+            deviation_trace(frame.place(scene.scan[there]), scene.deviation[there], limit),
+            cloud_trace(frame.place(scene.scan[alone]), light_of_scan[~known], UNKNOWN),
+        )  # fmt: skip
     placed = frame.place(everything)
     return View(
         figure_text(stack.traces, _layout(placed)), tuple(stack.layers),

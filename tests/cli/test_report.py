@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import warnings
 from importlib.metadata import version
 from types import SimpleNamespace
 
@@ -19,7 +20,7 @@ import pytest
 
 from meshlab_symrecon.cli import reconstruct as command
 from meshlab_symrecon.cli.deviation import DEVIATION, Deviation, measured_deviation
-from meshlab_symrecon.cli.method import PLANES, SCAN, parameters_as_run, whole_method
+from meshlab_symrecon.cli.method import PLANES, SCAN, noted, parameters_as_run, whole_method
 from meshlab_symrecon.cli.report import scene_of
 from meshlab_symrecon.cli.report_tables import _value, rounded
 from meshlab_symrecon.cli.report_words import words_of
@@ -241,11 +242,13 @@ def test_a_deviation_that_cannot_be_measured_is_said(result, statue):
     assert not any("both sides were measured" in sentence for sentence in words.summary)
 
 
-def test_warnings_of_the_filters_are_kept_and_given(lopsided):
-    with pytest.warns(SymReconWarning, match="no reflection plane was found") as given:
-        kept = whole_method(lopsided, 0, lambda fraction, message: None)
-    assert kept.warnings == tuple(str(warning.message) for warning in given)
-    assert PLANES not in kept.layers
+def test_warnings_are_kept_and_given(recwarn):
+    with noted() as sentences:
+        warnings.warn("the scan is odd", SymReconWarning, stacklevel=1)
+        warnings.warn("numpy is strange", UserWarning, stacklevel=1)
+        assert sentences == []
+    assert sentences == ["the scan is odd"]  # a page has ours only
+    assert [str(given.message) for given in recwarn] == ["the scan is odd", "numpy is strange"]
 
 
 @pytest.mark.parametrize(

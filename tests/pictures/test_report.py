@@ -14,7 +14,7 @@ import pytest
 
 from meshlab_symrecon.errors import SymReconError
 from meshlab_symrecon.pictures import report_scene, report_stills
-from meshlab_symrecon.pictures.deviation_colours import STOPS, colour_limit
+from meshlab_symrecon.pictures.deviation_colours import STOPS, UNKNOWN, colour_limit
 from meshlab_symrecon.pictures.report import Listing, ReportWords, Section, Table, report_page
 from meshlab_symrecon.pictures.report_drawing import (
     DIMMEST,
@@ -247,7 +247,10 @@ def test_the_other_side_is_seen_in_the_mirror(scene):
 def test_deviations_are_a_layer_of_their_own(scene):
     deviation = np.linspace(-2.0, 1.0, len(scene.scan))
     deviation[::3] = np.nan
-    layer = drawn(replace(scene, deviation=deviation))["deviation"]
+    measured = replace(scene, deviation=deviation)
+    layer, alone = drawn(measured)["deviation"], json.loads(draw_view(measured).figure)["data"][-1]
+    assert len(arrays(alone)["x"]) == np.count_nonzero(np.isnan(deviation))
+    assert alone["marker"]["colorscale"][-1][1] == f"rgb{UNKNOWN}".replace(" ", "")
     known = deviation[np.isfinite(deviation)]
     np.testing.assert_allclose(layer["color"], known, rtol=1e-6)
     limit = colour_limit(known, np.ones(len(known), dtype=bool))
@@ -393,7 +396,7 @@ def test_large_clouds_are_thinned_and_the_page_says_so(scene, small, monkeypatch
 
 
 def test_a_page_has_a_largest_size(small):
-    points, faces = globe(rows=500, columns=700)
+    points, faces = globe(rows=300, columns=400)
     view = draw_view(scene_of(points, faces, deviation=None))
     assert len(view.figure) < 6e6
     assert view.drawn[0] <= 80_000
