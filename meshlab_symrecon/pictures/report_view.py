@@ -17,7 +17,7 @@ from meshlab_symrecon.pictures.report_drawing import (
     shading,
     upright_frame,
 )
-from meshlab_symrecon.pictures.report_scene import DrawnParts, ReportScene
+from meshlab_symrecon.pictures.report_scene import ReportScene
 from meshlab_symrecon.pictures.report_traces import (
     Colour,
     cloud_trace,
@@ -54,12 +54,11 @@ class View:
     layers: tuple[DrawnLayer, ...]
     start: str  # JSON: where the viewer stands
     frame: Frame
-    drawn: tuple[int, int, int]  # points of the scan, invented points, triangles
     deviation_span: float  # at either end of the scale; 0 without deviations
 
 
-def draw_view(scene: ReportScene, parts: DrawnParts) -> View:
-    """Return the layers of a reconstruction as an interactive view of its parts.
+def draw_view(scene: ReportScene) -> View:
+    """Return the layers of a reconstruction as an interactive view; thin out large ones first.
 
     Raises
     ------
@@ -67,42 +66,43 @@ def draw_view(scene: ReportScene, parts: DrawnParts) -> View:
         plotly is missing.
     """
     camera, sheets = scene.camera(), [sheet.corners for sheet in scene.sheets()]
-    everything = np.concatenate([scene.scan, scene.completed, scene.surface, *sheets])
+    everything = np.concatenate([scene.completed, scene.surface, *sheets])
     frame = upright_frame(everything, scene.up(), np.array(camera.direction))
-    kept, added = parts.scan, parts.invented
     limit = _span(scene.deviation)
-
     stack = Stack()
     stack.add(
-        "surface", "Surface", (MEASURED, INVENTED) if len(added) else (MEASURED,),
-        surface_trace(frame.place(parts.points), parts.faces, parts.share), visible=True,
+        "surface", "Surface", (MEASURED, INVENTED) if scene.mirrored.any() else (MEASURED,),
+        surface_trace(frame.place(scene.surface), scene.faces, scene.share), visible=True,
     )  # fmt: skip
     if sheets:
         drawn = [trace for sheet in sheets for trace in sheet_traces(frame.place(sheet))]
         words = "Mirror plane" if len(sheets) == 1 else "Mirror planes"
         stack.add("planes", words, (PLANE,), *drawn, visible=True)
-    light_of_scan = shading(scene.scan_normals, scene.scan, frame)[kept]
-    cloud = cloud_trace(frame.place(scene.scan[kept]), light_of_scan, MEASURED)
-    stack.add("scan", "Scan (measured points)", (MEASURED,), cloud)
-    if len(added):
-        light = shading(scene.completed_normals, scene.completed, frame)[added]
-        cloud = cloud_trace(frame.place(scene.completed[added]), light, INVENTED)
-        stack.add("invented", "Invented points", (INVENTED,), cloud)
-    if scene.deviation is not None and limit > 0.0:
-        known = np.isfinite(scene.deviation[kept])
-        there, alone = kept[known], kept[~known]
-        colours = tuple(colour for _, colour in STOPS)
-        stack.add(
-            "deviation", "Deviation from the mirror image", colours,
-            deviation_trace(frame.place(scene.scan[there]), scene.deviation[there], limit),
-            cloud_trace(frame.place(scene.scan[alone]), light_of_scan[~known], UNKNOWN),
-        )  # fmt: skip
+    _add_clouds(stack, scene, frame, limit)
     placed = frame.place(everything)
     return View(
         figure_text(stack.traces, _layout(placed)), tuple(stack.layers),
-        json.dumps(_start(camera, scene.planes, frame, placed)), frame,
-        (len(kept), len(added), len(parts.faces)), limit,
+        json.dumps(_start(camera, scene.planes, frame, placed)), frame, limit,
     )  # fmt: skip
+
+
+def _add_clouds(stack: Stack, scene: ReportScene, frame: Frame, limit: float) -> None:
+    """Add the scan, the invented points, and the map of deviation."""
+    placed, light = frame.place(scene.scan), shading(scene.scan_normals, scene.scan, frame)
+    stack.add(
+        "scan", "Scan (measured points)", (MEASURED,), cloud_trace(placed, light, MEASURED)
+    )  # fmt: skip
+    if scene.mirrored.any():
+        lit = shading(scene.completed_normals, scene.completed, frame)[scene.mirrored]
+        cloud = cloud_trace(frame.place(scene.completed[scene.mirrored]), lit, INVENTED)
+        stack.add("invented", "Invented points", (INVENTED,), cloud)
+    if scene.deviation is not None and limit > 0.0:
+        known = np.isfinite(scene.deviation)
+        stack.add(
+            "deviation", "Deviation from the mirror image", tuple(colour for _, colour in STOPS),
+            deviation_trace(placed[known], scene.deviation[known], limit),
+            cloud_trace(placed[~known], light[~known], UNKNOWN),
+        )  # fmt: skip
 
 
 @dataclass(slots=True)

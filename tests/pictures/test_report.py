@@ -24,9 +24,9 @@ from meshlab_symrecon.pictures.report_drawing import (
     upright_frame,
 )
 from meshlab_symrecon.pictures.report_scene import ReportScene, thinned
-from meshlab_symrecon.pictures.report_stills import draw_stills as draw_stills_of
+from meshlab_symrecon.pictures.report_stills import draw_stills
 from meshlab_symrecon.pictures.report_traces import figure_text
-from meshlab_symrecon.pictures.report_view import draw_view as draw_view_of
+from meshlab_symrecon.pictures.report_view import draw_view
 from meshlab_symrecon.pictures.scene import INVENTED, MEASURED, PLANE
 
 WORDS = ReportWords("a scan", ("Found.",), (), (), "Made here.")
@@ -87,14 +87,6 @@ def arrays(trace):
         for name, value in [*trace.items(), *trace.get("marker", {}).items()]
         if isinstance(value, dict) and "bdata" in value
     }
-
-
-def draw_view(scene):
-    return draw_view_of(scene, thinned(scene))
-
-
-def draw_stills(scene):
-    return draw_stills_of(scene, thinned(scene))
 
 
 def drawn(scene):
@@ -381,26 +373,44 @@ def test_several_planes_and_lying_ones_have_sheets():
 def test_large_clouds_are_thinned_and_the_page_says_so(scene, small, monkeypatch):
     monkeypatch.setattr(report_scene, "MOST_POINTS", 1000)
     monkeypatch.setattr(report_scene, "MOST_VERTICES", 700)
-    view = draw_view(scene)
-    points, invented, triangles = view.drawn
-    assert points <= 1000
-    assert invented <= 500
-    assert triangles < 1500
-    note = " ".join(Reader(report_page(scene, WORDS)).text)
-    whole = (len(scene.scan), int(scene.mirrored.sum()), len(scene.faces))
-    for shown, all_, what in zip(
-        view.drawn, whole, ("measured points", "invented points", "triangles"), strict=True
+    light = thinned(replace(scene, deviation=scene.scan[:, 0]))
+    assert len(light.scan) <= 1000
+    assert np.count_nonzero(light.mirrored) <= 500
+    assert len(light.faces) < 1500
+    assert np.array_equal(light.completed[~light.mirrored], light.scan)
+    for points, normals in (
+        (light.scan, light.scan_normals),
+        (light.completed, light.completed_normals),
     ):
-        assert (shown < all_) is (f"{shown:,} of {all_:,} {what}" in note)
-    assert f"{triangles:,} of" in note
+        np.testing.assert_allclose(normals, points - scene.surface.mean(axis=0), atol=1e-12)
+    assert np.array_equal(light.deviation, light.scan[:, 0])  # every value stays with its point
+    invented = scene.completed[scene.mirrored].tolist()
+    assert all(point in invented for point in light.completed[light.mirrored].tolist())
+    note = " ".join(Reader(report_page(scene, WORDS)).text)
+    for some, all_, what in (
+        (len(light.scan), len(scene.scan), "measured points"),
+        (np.count_nonzero(light.mirrored), np.count_nonzero(scene.mirrored), "invented points"),
+        (len(light.faces), len(scene.faces), "triangles"),
+    ):
+        assert bool(some < all_) is (f"{some:,} of {all_:,} {what}" in note)
+    assert f"{len(light.faces):,} of" in note
 
 
-def test_a_page_has_a_largest_size(small):
+def test_a_page_has_a_largest_size():
     points, faces = globe(rows=300, columns=400)
-    view = draw_view(scene_of(points, faces, deviation=None))
-    assert len(view.figure) < 6e6
-    assert view.drawn[0] <= 80_000
-    assert view.drawn[2] <= 170_000
+    scene = scene_of(points, faces)
+    light = thinned(replace(scene, deviation=scene.scan[:, 0]))
+    assert len(draw_view(light).figure) < 8e6
+    assert len(light.scan) <= 80_000
+    assert len(light.faces) <= 170_000
+
+
+def test_a_small_scene_is_drawn_whole(scene):
+    same = thinned(scene)
+    for name in ("scan", "completed", "mirrored", "surface", "faces", "share", "scan_normals"):
+        assert np.array_equal(getattr(same, name), getattr(scene, name)), name
+    bare = thinned(replace(scene, scan_normals=None, completed_normals=None))
+    assert bare.scan_normals is bare.completed_normals is bare.deviation is None
 
 
 def test_stills_show_three_things_from_one_place(scene, small):
