@@ -21,6 +21,7 @@ __all__ = [
     "SCAN",
     "SURFACE",
     "Reconstruction",
+    "noted",
     "parameters_as_run",
     "whole_method",
 ]
@@ -51,13 +52,13 @@ class Reconstruction:
 
 def whole_method(scan: Path, seed: int, progress: Callable[[float, str], None]) -> Reconstruction:
     """Load a scan and run the filters of the documented chain on it."""
-    with _noted() as noted:
+    with noted() as sentences:
         result = _run_all(scan, seed, progress)
-    return replace(result, warnings=tuple(noted))
+    return replace(result, warnings=tuple(sentences))
 
 
 @contextmanager
-def _noted() -> Iterator[list[str]]:
+def noted() -> Iterator[list[str]]:
     """Yield a list that holds, at the end, the sentences of all warnings; they are given, too."""
     sentences: list[str] = []
     with warnings.catch_warnings(record=True) as caught:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,12 +24,14 @@ def write_report(path: Path, scan: Path, result: Reconstruction, command: str) -
     SymReconError
         plotly or matplotlib is missing.
     """
+    from meshlab_symrecon.cli.deviation import measured_deviation
     from meshlab_symrecon.cli.report_words import words_of
     from meshlab_symrecon.host.atomic import replacing
     from meshlab_symrecon.pictures.report import report_page
 
-    scene = scene_of(result)
-    page = report_page(scene, words_of(scan, result, scene, command))
+    deviation = measured_deviation(result)
+    scene = replace(scene_of(result), deviation=deviation.distances)
+    page = report_page(scene, words_of(scan, result, scene, deviation, command))
     with replacing(path) as staged:
         staged.write_bytes(page.encode("utf-8", "backslashreplace"))
 

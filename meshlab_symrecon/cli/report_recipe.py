@@ -21,13 +21,20 @@ KEPT = ("type", "name", "value", "x", "y", "z")  # of a parameter in a history, 
 WIDTH = 100  # characters of a line of Python
 
 
-def steps(result: Reconstruction) -> list[Section]:
-    """Return a section for each step that ran, with every parameter as it ran."""
+def steps(result: Reconstruction, measured: tuple[Step, ...]) -> list[Section]:
+    """Return a section for each step that ran, with every parameter as it ran.
+
+    ``measured`` are steps for the report alone.
+    """
     parts = [
         Section(f"{number}. {step.menu_name}", _described(step), part=True)
         for number, step in enumerate(read_history(result.mesh_set), start=1)
     ]
-    return [Section("Steps", ()), *parts]
+    aside = [
+        Section(f"For this report: {step.menu_name}", _described(step), part=True)
+        for step in measured
+    ]
+    return [Section("Steps", ()), *parts, *aside]
 
 
 def _described(step: Step) -> tuple[str | Table, ...]:

@@ -8,9 +8,10 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
+from meshlab_symrecon.pictures.report_deviation import STOPS, UNKNOWN
 from meshlab_symrecon.pictures.report_scene import ReportScene, thinned
 from meshlab_symrecon.pictures.report_stills import Still, draw_stills
-from meshlab_symrecon.pictures.report_traces import DEVIATION_COLOURS, plotly_script
+from meshlab_symrecon.pictures.report_traces import plotly_script
 from meshlab_symrecon.pictures.report_view import DrawnLayer, View, draw_view
 from meshlab_symrecon.pictures.scene import INVENTED, MEASURED, PLANE
 
@@ -65,8 +66,8 @@ def report_page(scene: ReportScene, words: ReportWords) -> str:
     SymReconError
         plotly or matplotlib is missing.
     """
-    parts = thinned(scene)
-    view = draw_view(scene, parts)
+    drawn = thinned(scene)
+    view = draw_view(drawn)
     folder = files(FOLDER)
     template = Template(folder.joinpath("report_page.html").read_text(encoding="utf-8"))
     return template.substitute(
@@ -75,9 +76,9 @@ def report_page(scene: ReportScene, words: ReportWords) -> str:
         summary="\n".join(f"<p>{escape(sentence)}</p>" for sentence in words.summary),
         warnings=_warnings(words.warnings),
         view_words=escape(_view_words(view, words.title)),
-        view_note=escape(_view_note(view, scene)),
+        view_note=escape(_view_note(view, drawn, scene)),
         switches="\n".join(_switch(layer) for layer in view.layers),
-        stills="\n".join(_still(still) for still in draw_stills(scene, parts)),
+        stills="\n".join(_still(still) for still in draw_stills(drawn)),
         legend="\n".join(_legend(view, scene)),
         sections="\n".join(_section(section) for section in words.sections),
         footer=escape(words.footer),
@@ -101,14 +102,12 @@ def _view_words(view: View, title: str) -> str:
     return f"Interactive view of {title}, seen from the side with missing parts: {shown}."
 
 
-def _view_note(view: View, scene: ReportScene) -> str:
+def _view_note(view: View, drawn: ReportScene, scene: ReportScene) -> str:
     """Say what the view leaves out, and where it puts the object."""
-    scan, invented, triangles = view.drawn
-    whole = (len(scene.scan), int(scene.mirrored.sum()), len(scene.faces))
     parts = (
-        (scan, whole[0], "measured points"),
-        (invented, whole[1], "invented points"),
-        (triangles, whole[2], "triangles"),
+        (len(drawn.scan), len(scene.scan), "measured points"),
+        (int(drawn.mirrored.sum()), int(scene.mirrored.sum()), "invented points"),
+        (len(drawn.faces), len(scene.faces), "triangles"),
     )
     less = [f"{some:,} of {all_:,} {what}" for some, all_, what in parts if some < all_]
     note = f"To stay light, the view shows {_listed(less)}. " if less else ""
@@ -144,7 +143,8 @@ def _legend(view: View, scene: ReportScene) -> list[str]:
     if view.deviation_span > 0.0:
         span = f"{view.deviation_span:.3g}"
         words = f"deviation from -{span} (inside) to +{span} (outside), in the file's unit"
-        entries.append(_swatch(DEVIATION_COLOURS, " bar") + escape(words))
+        entries.append(_swatch([colour for _, colour in STOPS], " bar") + escape(words))
+        entries.append(_swatch([UNKNOWN]) + "nothing to compare with on the other side")
     return [f"<li>{entry}</li>" for entry in entries]
 
 

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshlab_symrecon.arrays import Booleans, Faces, Floats, Indices, Planes, Points
+from meshlab_symrecon.arrays import Booleans, Faces, Floats, Planes, Points
 from meshlab_symrecon.pictures.projection import Camera
 from meshlab_symrecon.pictures.report_drawing import even_subset, simplified
 from meshlab_symrecon.pictures.scene import PlaneSheet, plane_sheet
 from meshlab_symrecon.pictures.viewpoint import upright, view_of_missing_side
 
-__all__ = ["DrawnParts", "ReportScene", "thinned"]
+__all__ = ["ReportScene", "thinned"]
 
 MOST_POINTS = 80_000  # of the scan that are drawn; of the invented points half as many
 MOST_VERTICES = 75_000  # of a surface that are drawn
@@ -30,7 +30,7 @@ class ReportScene:
     planes : (k, 4) float
         Mirror planes, the best one first.
     completed, completed_normals : (c, 3) float; the normals may be None
-        Measured and invented points.
+        The points of the scan, in their order, and invented points.
     mirrored : (c,) bool
         Which of them were invented.
     surface, faces : (v, 3) float, (m, 3) int
@@ -80,30 +80,28 @@ class ReportScene:
         return area, invented / area if area > 0.0 else 0.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class DrawnParts:
-    """What is drawn of a scene, so that a page stays light.
+def thinned(scene: ReportScene) -> ReportScene:
+    """Return what is drawn of a scene: everything of a small one.
 
-    Attributes
-    ----------
-    scan, invented : (p,) int, (q,) int
-        Points of the scan; and of the completed cloud, invented ones.
-    points, faces, share : (v, 3) float, (m, 3) int, (v,) float
-        A simpler surface.
+    The completed cloud keeps the points of the scan that are kept, then invented ones.
     """
-
-    scan: Indices
-    invented: Indices
-    points: Points
-    faces: Faces
-    share: Floats
-
-
-def thinned(scene: ReportScene) -> DrawnParts:
-    """Choose what is drawn of a scene: everything of a small one."""
+    kept = even_subset(scene.scan, MOST_POINTS)
     invented = np.flatnonzero(scene.mirrored)
-    return DrawnParts(
-        even_subset(scene.scan, MOST_POINTS),
-        invented[even_subset(scene.completed[invented], MOST_POINTS // 2)],
-        *simplified(scene.surface, scene.faces, scene.share, MOST_VERTICES),
+    invented = invented[even_subset(scene.completed[invented], MOST_POINTS // 2)]
+    measured = np.flatnonzero(~scene.mirrored)[kept]
+    chosen = np.concatenate([measured, invented])
+    surface, faces, share = simplified(scene.surface, scene.faces, scene.share, MOST_VERTICES)
+    return ReportScene(
+        scan=scene.scan[kept],
+        planes=scene.planes,
+        completed=scene.completed[chosen],
+        mirrored=np.arange(len(chosen)) >= len(measured),
+        surface=surface,
+        faces=faces,
+        share=share,
+        scan_normals=None if scene.scan_normals is None else scene.scan_normals[kept],
+        completed_normals=(
+            None if scene.completed_normals is None else scene.completed_normals[chosen]
+        ),
+        deviation=None if scene.deviation is None else scene.deviation[kept],
     )

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from meshlab_symrecon.errors import SymReconError
 from meshlab_symrecon.pictures.projection import fit, open_screen
 from meshlab_symrecon.pictures.renderer import render
-from meshlab_symrecon.pictures.report_scene import DrawnParts, ReportScene
+from meshlab_symrecon.pictures.report_scene import ReportScene
 from meshlab_symrecon.pictures.scene import (
     Item,
     PointCloud,
@@ -37,33 +37,34 @@ class Still:
     caption: str
 
 
-def draw_stills(scene: ReportScene, parts: DrawnParts) -> tuple[Still, Still, Still]:
+def draw_stills(scene: ReportScene) -> tuple[Still, Still, Still]:
     """Return the scan, the completed cloud with its plane, and the surface, from one viewpoint.
+
+    Large scenes should be thinned out first.
 
     Raises
     ------
     SymReconError
         matplotlib is missing.
     """
-    camera = scene.camera()
-    scan, added = scene.scan[parts.scan], scene.completed[parts.invented]
-    completed = np.concatenate([scan, added])
-    mirrored = np.arange(len(completed)) >= len(scan)
+    camera, scan, completed = scene.camera(), scene.scan, scene.completed
     sheets = scene.sheets()[:1]
-    everything = [completed, parts.points, *(sheet.corners for sheet in sheets)]
+    everything = [completed, scene.surface, *(sheet.corners for sheet in sheets)]
     seen = np.concatenate(everything) @ camera.axes().T
     spans = np.maximum(np.ptp(seen, axis=0), np.finfo(float).tiny)
     size = (int(np.clip(round(HEIGHT * spans[0] / spans[1]), *WIDTHS)), HEIGHT)
     aimed = fit(camera, np.concatenate(everything), size, margin=0.03)
     screen = open_screen(aimed, everything, *size)
     cloud = PointCloud(
-        completed, colours_by_share(mirrored.astype(float)), radius=disc_radius(screen, completed)
+        completed,
+        colours_by_share(scene.mirrored.astype(float)),
+        radius=disc_radius(screen, completed),
     )
     scenes: list[tuple[Sequence[Item], str]] = [
         ([PointCloud(scan, radius=disc_radius(screen, scan))], "The scan, as it was measured."),
         ([cloud, *sheets], _completed_words(scene)),
         (
-            [TriangleMesh(parts.points, parts.faces, colours_by_share(parts.share))],
+            [TriangleMesh(scene.surface, scene.faces, colours_by_share(scene.share))],
             "The reconstructed surface, coloured by the share that was invented.",
         ),
     ]

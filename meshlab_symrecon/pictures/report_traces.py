@@ -9,11 +9,11 @@ import numpy as np
 
 from meshlab_symrecon.arrays import Faces, Floats
 from meshlab_symrecon.errors import SymReconError
+from meshlab_symrecon.pictures.report_deviation import STOPS
 from meshlab_symrecon.pictures.report_drawing import DIMMEST, Levels, Singles
 from meshlab_symrecon.pictures.scene import INVENTED, MEASURED, PLANE
 
 __all__ = [
-    "DEVIATION_COLOURS",
     "Colour",
     "cloud_trace",
     "deviation_trace",
@@ -25,10 +25,6 @@ __all__ = [
 
 Colour: TypeAlias = tuple[int, int, int]
 
-DEVIATION_COLOURS: tuple[Colour, ...] = (
-    (33, 82, 140), (120, 165, 205), (236, 231, 222), (222, 150, 94), (158, 62, 18),
-)  # fmt: skip
-"""Blue (inside), paper, orange (outside): told apart by those who see no red or no green."""
 DARKEST = 0.42  # of a colour is left where the least light falls
 LIGHTING = {
     "ambient": 0.44, "diffuse": 0.68, "specular": 0.06, "roughness": 0.8, "fresnel": 0.05,
@@ -120,9 +116,10 @@ def cloud_trace(placed: Singles, light: Levels, colour: Colour) -> Any:
 def deviation_trace(placed: Singles, deviation: Floats, limit: float) -> Any:
     """Return points coloured by their deviation, from ``-limit`` to ``limit``."""
     marker = {
-        "size": _size(len(placed)) + 0.4,  # over the same points of the scan
+        "size": _size(len(placed)) + 0.6,  # over the same points of the scan
         "color": deviation.astype(np.float32), "cmin": -limit, "cmax": limit,
-        "colorscale": _scale(DEVIATION_COLOURS), "line": {"width": 0},
+        "colorscale": [((place + 1.0) / 2.0, _css(colour)) for place, colour in STOPS],
+        "line": {"width": 0},
     }  # fmt: skip
     return _points(placed, marker, hovertemplate="%{marker.color:.4g}<extra></extra>")
 

@@ -10,15 +10,15 @@ import numpy as np
 
 from meshlab_symrecon.arrays import Floats, Planes
 from meshlab_symrecon.pictures.projection import Camera
+from meshlab_symrecon.pictures.report_deviation import STOPS, UNKNOWN, colour_limit
 from meshlab_symrecon.pictures.report_drawing import (
     Frame,
     Singles,
     shading,
     upright_frame,
 )
-from meshlab_symrecon.pictures.report_scene import DrawnParts, ReportScene
+from meshlab_symrecon.pictures.report_scene import ReportScene
 from meshlab_symrecon.pictures.report_traces import (
-    DEVIATION_COLOURS,
     Colour,
     cloud_trace,
     deviation_trace,
@@ -30,7 +30,6 @@ from meshlab_symrecon.pictures.scene import INVENTED, MEASURED, PLANE
 
 __all__ = ["DrawnLayer", "View", "draw_view"]
 
-SPAN = 0.98  # of the deviations lie within the scale; what lies beyond has its end colours
 ROOM = 1.01  # half the box of the view / half that of what is in it: plotly cuts what sticks out
 ACROSS = 24  # steps in which the view is told how wide the object is
 FIELD = np.tan(np.pi / 8.0)  # half of plotly's field of view
@@ -55,12 +54,11 @@ class View:
     layers: tuple[DrawnLayer, ...]
     start: str  # JSON: where the viewer stands
     frame: Frame
-    drawn: tuple[int, int, int]  # points of the scan, invented points, triangles
     deviation_span: float  # at either end of the scale; 0 without deviations
 
 
-def draw_view(scene: ReportScene, parts: DrawnParts) -> View:
-    """Return the layers of a reconstruction as an interactive view of its parts.
+def draw_view(scene: ReportScene) -> View:
+    """Return the layers of a reconstruction as an interactive view; thin out large ones first.
 
     Raises
     ------
@@ -68,37 +66,43 @@ def draw_view(scene: ReportScene, parts: DrawnParts) -> View:
         plotly is missing.
     """
     camera, sheets = scene.camera(), [sheet.corners for sheet in scene.sheets()]
-    everything = np.concatenate([scene.scan, scene.completed, scene.surface, *sheets])
+    everything = np.concatenate([scene.completed, scene.surface, *sheets])
     frame = upright_frame(everything, scene.up(), np.array(camera.direction))
-    kept, added = parts.scan, parts.invented
     limit = _span(scene.deviation)
-
     stack = Stack()
     stack.add(
-        "surface", "Surface", (MEASURED, INVENTED) if len(added) else (MEASURED,),
-        surface_trace(frame.place(parts.points), parts.faces, parts.share), visible=True,
+        "surface", "Surface", (MEASURED, INVENTED) if scene.mirrored.any() else (MEASURED,),
+        surface_trace(frame.place(scene.surface), scene.faces, scene.share), visible=True,
     )  # fmt: skip
     if sheets:
         drawn = [trace for sheet in sheets for trace in sheet_traces(frame.place(sheet))]
         words = "Mirror plane" if len(sheets) == 1 else "Mirror planes"
         stack.add("planes", words, (PLANE,), *drawn, visible=True)
-    light = shading(scene.scan_normals, scene.scan, frame)[kept]
-    cloud = cloud_trace(frame.place(scene.scan[kept]), light, MEASURED)
-    stack.add("scan", "Scan (measured points)", (MEASURED,), cloud)
-    if len(added):
-        light = shading(scene.completed_normals, scene.completed, frame)[added]
-        cloud = cloud_trace(frame.place(scene.completed[added]), light, INVENTED)
-        stack.add("invented", "Invented points", (INVENTED,), cloud)
-    if scene.deviation is not None and limit > 0.0:
-        known = kept[np.isfinite(scene.deviation[kept])]
-        map_ = deviation_trace(frame.place(scene.scan[known]), scene.deviation[known], limit)
-        stack.add("deviation", "Deviation from the mirror image", DEVIATION_COLOURS, map_)
+    _add_clouds(stack, scene, frame, limit)
     placed = frame.place(everything)
     return View(
         figure_text(stack.traces, _layout(placed)), tuple(stack.layers),
-        json.dumps(_start(camera, scene.planes, frame, placed)), frame,
-        (len(kept), len(added), len(parts.faces)), limit,
+        json.dumps(_start(camera, scene.planes, frame, placed)), frame, limit,
     )  # fmt: skip
+
+
+def _add_clouds(stack: Stack, scene: ReportScene, frame: Frame, limit: float) -> None:
+    """Add the scan, the invented points, and the map of deviation."""
+    placed, light = frame.place(scene.scan), shading(scene.scan_normals, scene.scan, frame)
+    stack.add(
+        "scan", "Scan (measured points)", (MEASURED,), cloud_trace(placed, light, MEASURED)
+    )  # fmt: skip
+    if scene.mirrored.any():
+        lit = shading(scene.completed_normals, scene.completed, frame)[scene.mirrored]
+        cloud = cloud_trace(frame.place(scene.completed[scene.mirrored]), lit, INVENTED)
+        stack.add("invented", "Invented points", (INVENTED,), cloud)
+    if scene.deviation is not None and limit > 0.0:
+        known = np.isfinite(scene.deviation)
+        stack.add(
+            "deviation", "Deviation from the mirror image", tuple(colour for _, colour in STOPS),
+            deviation_trace(placed[known], scene.deviation[known], limit),
+            cloud_trace(placed[~known], light[~known], UNKNOWN),
+        )  # fmt: skip
 
 
 @dataclass(slots=True)
@@ -120,11 +124,11 @@ class Stack:
 
 
 def _span(deviation: Floats | None) -> float:
-    """Return the deviation, up or down, that all but the largest stay within."""
-    if deviation is None:
+    """Return the deviation that has the deepest colour; 0 where nothing was compared."""
+    if deviation is None or not np.isfinite(deviation).any():
         return 0.0
-    known = np.abs(deviation[np.isfinite(deviation)])
-    return float(np.quantile(known, SPAN)) if len(known) else 0.0
+    known = np.isfinite(deviation)
+    return colour_limit(np.where(known, deviation, 0.0), known)
 
 
 def _layout(placed: Singles) -> dict[str, Any]:

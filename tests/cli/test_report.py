@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import warnings
 from importlib.metadata import version
 from types import SimpleNamespace
 
@@ -18,12 +19,15 @@ import numpy as np
 import pytest
 
 from meshlab_symrecon.cli import reconstruct as command
-from meshlab_symrecon.cli.method import PLANES, parameters_as_run, whole_method
+from meshlab_symrecon.cli.deviation import DEVIATION, Deviation, measured_deviation
+from meshlab_symrecon.cli.method import PLANES, SCAN, noted, parameters_as_run, whole_method
 from meshlab_symrecon.cli.report import scene_of
-from meshlab_symrecon.cli.report_words import _rounded, _value, words_of
+from meshlab_symrecon.cli.report_tables import _value, rounded
+from meshlab_symrecon.cli.report_words import words_of
 from meshlab_symrecon.errors import FileError, SymReconWarning
-from meshlab_symrecon.host.files import load
-from meshlab_symrecon.host.meshset import read_layer
+from meshlab_symrecon.host.files import load, new_document
+from meshlab_symrecon.host.history import read_history
+from meshlab_symrecon.host.meshset import add_layer, read_layer
 from meshlab_symrecon.host.registration import registry
 from meshlab_symrecon.pictures import report_stills
 
@@ -165,6 +169,7 @@ def test_without_a_plane_the_page_says_so(run, lopsided, tmp_path):
     assert "No reflection plane was found: the points show no mirror symmetry" in text
     assert "Mirror-Complete Points" not in text.split("Steps")[1].split("Repeat it")[0]
     assert "of its area is invented" not in text
+    assert "both sides were measured" not in text
 
 
 @pytest.fixture(scope="module")
@@ -182,7 +187,7 @@ def test_doubts_are_warnings(result, statue):
         surface={**result.surface, "closed": False, "components": 2, "genus": -1},
         completed={**result.completed, "missing_on_both_sides": 0.0312, "holes": np.arange(3)},
     )
-    words = words_of(statue, doubtful, scene_of(doubtful), "symrecon")
+    words = words_of(statue, doubtful, scene_of(doubtful), Deviation(), "symrecon")
     assert words.warnings[0] == "The scan was odd."
     assert words.warnings[1].startswith("The clustering stopped before it had converged")
     assert words.warnings[2].startswith("The best mirror plane has a confidence of 0.61 only")
@@ -190,14 +195,62 @@ def test_doubts_are_warnings(result, statue):
     rows = dict(words.sections[0].content[0].rows)
     assert rows["Missing on both sides"] == "0.0312"  # a measure that this page does not know
     assert rows["Holes"] == "0, 1, 2"
-    assert words_of(statue, result, scene_of(result), "symrecon").warnings == ()
+    assert words_of(statue, result, scene_of(result), Deviation(), "symrecon").warnings == ()
 
 
-def test_warnings_of_the_filters_are_kept_and_given(lopsided):
-    with pytest.warns(SymReconWarning, match="no reflection plane was found") as given:
-        kept = whole_method(lopsided, 0, lambda fraction, message: None)
-    assert kept.warnings == tuple(str(warning.message) for warning in given)
-    assert PLANES not in kept.layers
+@pytest.mark.skipif(DEVIATION not in registry(), reason=f"there is no filter {DEVIATION}")
+def test_the_deviation_is_that_of_the_filter_and_changes_nothing(made, result):
+    before = read_layer(result.mesh_set, result.layers[SCAN])
+    history, deviation = read_history(result.mesh_set), measured_deviation(result)
+    after = read_layer(result.mesh_set, result.layers[SCAN])
+    assert after.attributes.keys() == before.attributes.keys()
+    assert (after.quality is None) is (before.quality is None)
+    assert read_history(result.mesh_set) == history
+    known = deviation.distances[np.isfinite(deviation.distances)]
+    assert np.median(np.abs(known)) == pytest.approx(deviation.measures["median"], rel=1e-6)
+    missing = 1.0 - len(known) / len(deviation.distances)
+    assert missing == pytest.approx(deviation.measures["without_counterpart"], abs=1e-9)
+    assert 0.02 < missing < 0.5
+    text = shown(made.page)
+    item = registry().find(DEVIATION)
+    assert f"For this report: {item.menu_name} {item.summary}" in text
+    for parameter in item.parameters.declared():
+        assert parameter.tooltip in text
+    sentence = re.search(r"both sides were measured, they differ by ([\d.]+) \(median", text)
+    assert sentence is not None
+    assert 0.0 < float(sentence[1]) < 0.05  # of a bust of size 3
+    assert 'id="show-deviation"' in made.page
+
+
+@pytest.mark.skipif(DEVIATION not in registry(), reason=f"there is no filter {DEVIATION}")
+def test_a_deviation_that_cannot_be_measured_is_said(result, statue):
+    import dataclasses
+
+    far = result.mesh_set.mesh(result.layers[PLANES]).vertex_matrix() + 100.0
+    apart = new_document()
+    layers = {}
+    for label in (SCAN, PLANES):
+        layer = read_layer(result.mesh_set, result.layers[label])
+        points = far if label == PLANES else layer.points
+        layers[label] = add_layer(
+            apart, dataclasses.replace(layer, points=points, identifier=-1), current=False
+        )
+    moved = dataclasses.replace(result, mesh_set=apart, layers=layers)
+    deviation = measured_deviation(moved)
+    assert deviation.distances is None
+    words = words_of(statue, result, scene_of(result), deviation, "symrecon")
+    (warning,) = words.warnings
+    assert warning.startswith("The deviation was not measured: the mirror image across plane 0")
+    assert not any("both sides were measured" in sentence for sentence in words.summary)
+
+
+def test_warnings_are_kept_and_given(recwarn):
+    with noted() as sentences:
+        warnings.warn("the scan is odd", SymReconWarning, stacklevel=1)
+        warnings.warn("numpy is strange", UserWarning, stacklevel=1)
+        assert sentences == []
+    assert sentences == ["the scan is odd"]  # a page has ours only
+    assert [str(given.message) for given in recwarn] == ["the scan is odd", "numpy is strange"]
 
 
 @pytest.mark.parametrize(
@@ -212,12 +265,12 @@ def test_warnings_of_the_filters_are_kept_and_given(lopsided):
     ],
 )
 def test_numbers_are_written_to_be_read(number, words):
-    assert _rounded(number) == words
+    assert rounded(number) == words
 
 
 def test_a_scan_that_vanishes_is_one_sentence(result, tmp_path):
     with pytest.raises(FileError, match="cannot be read again: No such file or directory"):
-        words_of(tmp_path / "gone.ply", result, scene_of(result), "symrecon")
+        words_of(tmp_path / "gone.ply", result, scene_of(result), Deviation(), "symrecon")
 
 
 def test_a_folder_that_cannot_be_written_is_one_sentence(

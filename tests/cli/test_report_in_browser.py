@@ -29,7 +29,7 @@ pytestmark = [
 ]
 
 
-SIZE = (800, 700)
+SIZE = (640, 600)
 VERDIGRIS, LIMESTONE = (58, 134, 148), (222, 203, 174)
 
 
@@ -38,8 +38,8 @@ def page(tmp_path_factory):
     folder = tmp_path_factory.mktemp("page größe")
     words = ["reconstruct", SCAN, "-o", folder / "a.ply", "--report", folder / "a page.html"]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(report_scene, "MOST_POINTS", 20_000)  # drawn in software, again and again
-        patch.setattr(report_scene, "MOST_VERTICES", 20_000)
+        patch.setattr(report_scene, "MOST_POINTS", 10_000)  # drawn in software, again and again
+        patch.setattr(report_scene, "MOST_VERTICES", 10_000)
         patch.setattr(report_stills, "HEIGHT", 200)
         patch.setattr(report_stills, "WIDTHS", (100, 300))
         ended = CliRunner().invoke(main, [str(word) for word in words])
@@ -60,12 +60,12 @@ def pixels(opened, what="#view"):
 
     element = opened.find_element(By.CSS_SELECTOR, what)
     before = None
-    for _ in range(40):
+    for _ in range(100):
         seen = imread(io.BytesIO(element.screenshot_as_png))[..., :3]
         if before is not None and np.array_equal(seen, before):
             return seen
         before = seen
-        time.sleep(0.15)
+        time.sleep(0.08)
     raise AssertionError("the view does not come to rest")
 
 
