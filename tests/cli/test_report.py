@@ -254,9 +254,13 @@ def test_warnings_are_kept_and_given(recwarn):
 
 
 def test_warnings_are_given_before_an_error(recwarn):
-    with pytest.raises(GeometryError), noted():
+    @noted()
+    def fail():
         warnings.warn("the scan is odd", SymReconWarning, stacklevel=1)
         raise GeometryError("4 points are needed; got 3; scan again")
+
+    with pytest.raises(GeometryError):
+        fail()
     assert [str(given.message) for given in recwarn] == ["the scan is odd"]
 
 
