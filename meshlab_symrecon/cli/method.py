@@ -59,15 +59,20 @@ def whole_method(scan: Path, seed: int, progress: Callable[[float, str], None]) 
 
 @contextmanager
 def noted() -> Iterator[list[str]]:
-    """Yield a list that holds, at the end, the sentences of all warnings; they are given, too."""
+    """Yield a list that holds our warnings' sentences at the end; all warnings are given then."""
     sentences: list[str] = []
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        yield sentences
-    for warning in caught:
-        if issubclass(warning.category, SymReconWarning):
-            sentences.append(str(warning.message))
-        warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
+    caught: list[warnings.WarningMessage] = []
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            yield sentences
+    finally:
+        for warning in caught:
+            if issubclass(warning.category, SymReconWarning):
+                sentences.append(str(warning.message))
+            warnings.warn_explicit(
+                warning.message, warning.category, warning.filename, warning.lineno
+            )
 
 
 def _run_all(scan: Path, seed: int, progress: Callable[[float, str], None]) -> Reconstruction:

@@ -24,7 +24,7 @@ from meshlab_symrecon.cli.method import PLANES, SCAN, noted, parameters_as_run, 
 from meshlab_symrecon.cli.report import scene_of
 from meshlab_symrecon.cli.report_tables import _value, rounded
 from meshlab_symrecon.cli.report_words import words_of
-from meshlab_symrecon.errors import FileError, SymReconWarning
+from meshlab_symrecon.errors import FileError, GeometryError, SymReconWarning
 from meshlab_symrecon.host.files import load, new_document
 from meshlab_symrecon.host.history import read_history
 from meshlab_symrecon.host.meshset import add_layer, read_layer
@@ -249,6 +249,17 @@ def test_warnings_are_kept_and_given(recwarn):
         assert sentences == []
     assert sentences == ["the scan is odd"]  # a page has ours only
     assert [str(given.message) for given in recwarn] == ["the scan is odd", "numpy is strange"]
+
+
+def test_warnings_are_given_before_an_error(recwarn):
+    @noted()
+    def fail():
+        warnings.warn("the scan is odd", SymReconWarning, stacklevel=1)
+        raise GeometryError("4 points are needed; got 3; scan again")
+
+    with pytest.raises(GeometryError):
+        fail()
+    assert [str(given.message) for given in recwarn] == ["the scan is odd"]
 
 
 @pytest.mark.parametrize(
