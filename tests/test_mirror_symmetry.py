@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pymeshlab
@@ -27,6 +29,7 @@ DEVIATION = "compute_scalar_by_mirror_symmetry_per_vertex"
 MENU_NAME = "Mirror Symmetry Deviation"
 NO_FACES = np.zeros((0, 3), dtype=np.int64)
 X, Y = np.array([1.0, 0, 0, 0]), np.array([0, 1.0, 0, 0])
+PAGE = Path(__file__).parents[1] / "docs" / "deviation.md"
 SCRIPT = Path(__file__).parents[1] / "meshlab_scripts" / "deviation.mlx"
 
 SPHERE = shapes.fibonacci_sphere(2000)
@@ -228,7 +231,7 @@ def test_the_shipped_script_ends_in_colours_of_either_sign():
     points = shapes.statue(3000, seed=5, missing=0.1)
     mesh_set = document(points, NO_FACES, planes=None)
     report = run_script(mesh_set, SCRIPT)
-    assert [step.status for step in report.steps] == ["ran"] * 4
+    assert [step.status for step in report.steps] == ["ran"] * 5
     layer = read_layer(mesh_set, 0)
     assert np.array_equal(layer.points, points)
     most, least = np.argmax(layer.quality), np.argmin(layer.quality)
@@ -236,3 +239,24 @@ def test_the_shipped_script_ends_in_colours_of_either_sign():
     red, _, blue, _ = layer.colours.T
     assert (red[most], blue[most]) == (0.0, 1.0)
     assert (red[least], blue[least]) == (1.0, 0.0)
+    unknown = layer.attributes["has_counterpart"] == 0.0
+    assert 0 < np.count_nonzero(unknown) < len(points)
+    assert (np.rint(255.0 * layer.colours[unknown, :3]) == 130.0).all()
+
+
+def test_the_python_of_the_page_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    assert code is not None
+    small = PAGE.parents[1] / "examples/data/nefertiti_small.ply"
+    Path("scan.ply").write_bytes(small.read_bytes())
+    names: dict[str, Any] = {}
+    try:
+        exec(code[1], names)
+    finally:
+        registration.unload_plugins()
+    assert 0.5 < names["measures"]["within_tolerance"] < 1.0
+    saved = pymeshlab.MeshSet(verbose=False)
+    saved.load_new_mesh("deviation.ply")
+    quality = saved.current_mesh().vertex_scalar_array()
+    assert np.array_equal(quality, names["ms"].mesh(0).vertex_scalar_array())

@@ -10,22 +10,19 @@ from numpy.typing import NDArray
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Faces, Floats, Indices, Points
-from meshlab_symrecon.geometry.sampling import canonical_order
+from meshlab_symrecon.geometry.mesh_edges import Edges, unit_rows, vertex_normals
+from meshlab_symrecon.geometry.places import nearby_order
 from meshlab_symrecon.geometry.surfaces import face_normals
 
 __all__ = [
     "Facing",
     "Heights",
-    "first_alike",
+    "TriangleSurface",
     "heights_over_cloud",
     "heights_over_mesh",
-    "unit_rows",
-    "vertex_normals",
-    "welded",
 ]
 
 CORNERS = 3
-TINY = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +82,7 @@ def heights_over_cloud(
 
 
 def heights_over_mesh(
-    places: Points, directions: Points, points: Points, faces: Faces, facing: Facing
+    places: Points, directions: Points, mesh: TriangleSurface, facing: Facing
 ) -> Heights:
     """Measure places against the closest point of the triangles that face the same way.
 
@@ -98,13 +95,11 @@ def heights_over_mesh(
     ----------
     places, directions : (m, 3) float
         What is measured, and the unit normal there; zero where it is not known.
-    points : (n, 3) float
-    faces : (k, 3) int
-        Counterclockwise seen from outside.
+    mesh : TriangleSurface
+        Its triangles counterclockwise seen from outside.
     facing : Facing
         Which triangles count.
     """
-    mesh = _Mesh(points, faces)
     anyhow = Facing(0.0, facing.sided, facing.within)
     found = mesh.feet(places, directions, anyhow)
     cosines = np.einsum("ij,ij->i", found.normals, directions)
@@ -125,67 +120,11 @@ def heights_over_mesh(
     )
 
 
-def unit_rows(vectors: Points) -> Points:
-    """Scale rows to length one; zero stays zero."""
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    scaled: Points = vectors / np.maximum(lengths, TINY)
-    return scaled
-
-
-def vertex_normals(points: Points, faces: Faces) -> Points:
-    """Return (n, 3) unit normals of vertices, means of their faces' weighted by the angles there.
-
-    Vertices without a face that has an area get zeros.
-    """
-    normals = unit_rows(face_normals(points, faces))
-    sums = np.zeros_like(points)
-    for corner in range(CORNERS):
-        here, after, before = (faces[:, (corner + turn) % CORNERS] for turn in range(CORNERS))
-        first, second = points[after] - points[here], points[before] - points[here]
-        sines = np.linalg.norm(np.cross(first, second), axis=1)
-        angles = np.arctan2(sines, np.einsum("ij,ij->i", first, second))
-        for axis in range(3):
-            sums[:, axis] += np.bincount(here, angles * normals[:, axis], minlength=len(points))
-    return unit_rows(sums)
-
-
-def first_alike(points: Points) -> Indices:
-    """Return (n,) the first point, by index, that is in the same place as each point."""
-    order = canonical_order(points)
-    steps = (points[order[1:]] != points[order[:-1]]).any(axis=1)
-    starts = np.flatnonzero(np.append(True, steps))
-    first: Indices = np.zeros(len(points), dtype=np.int64)
-    least = np.minimum.reduceat(order, starts)
-    first[order] = np.repeat(least, np.diff(starts, append=len(order)))
-    return first
-
-
-def welded(points: Points, faces: Faces) -> tuple[Faces, Indices]:
-    """Join the vertices of a mesh that coincide to the last bit, as along the seam of a texture.
-
-    Parameters
-    ----------
-    points : (n, 3) float
-    faces : (m, 3) int
-
-    Returns
-    -------
-    faces : (k, 3) int
-        Those that still have three corners, by the first one of the vertices that coincide.
-    vertex : (n,) int
-        That first vertex of each.
-    """
-    vertex = first_alike(points)
-    joined = vertex[faces]
-    whole = (joined != np.roll(joined, 1, axis=1)).all(axis=1)
-    return joined[whole], vertex
-
-
 def _closest(
     places: Points, directions: Points, surface: tuple[Points, Faces, Points], facing: Facing
 ) -> tuple[Indices, Floats]:
     """Return the closest face that counts, -1 for none, and the weights of its later corners."""
-    order = _nearby_order(places)
+    order = nearby_order(places)  # a search begins where the last one ended
     points, faces, normals = surface
     found, shares = _native.closest_faces(
         np.ascontiguousarray(points),
@@ -201,16 +140,6 @@ def _closest(
     weights = np.zeros((len(places), 2))
     nearest[order], weights[order] = found, shares
     return nearest, weights
-
-
-def _nearby_order(places: Points) -> Indices:
-    """Order places so that the next one is near: a search begins where the last one ended."""
-    order = _native.curve_order(np.ascontiguousarray(places)).astype(np.int64)
-    if len(order) == len(places):
-        return order
-    left_out = np.ones(len(places), dtype=bool)  # a place that repeats an earlier one
-    left_out[order] = False
-    return np.concatenate([order, np.flatnonzero(left_out)])
 
 
 def _aside(offsets: Points, heights: Floats) -> Floats:
@@ -236,14 +165,14 @@ class _Feet:
         return self.faces, self.places, self.normals, self.on_rim
 
 
-class _Mesh:
-    """Triangles, with the normals of their faces, edges and corners."""
+class TriangleSurface:
+    """Triangles (k, 3), with the normals of their faces, edges and corners."""
 
     def __init__(self, points: Points, faces: Faces) -> None:
         self.points, self.faces = points, faces
         self.normals = unit_rows(face_normals(points, faces))
         self.vertex_normals = vertex_normals(points, faces)
-        self.edges = _Edges(faces, len(points))
+        self.edges = Edges(faces, len(points))
         self.rim_vertices = self.edges.rim_vertices()
 
     def feet(self, places: Points, directions: Points, facing: Facing) -> _Feet:
@@ -271,39 +200,3 @@ class _Mesh:
         normals[at_corner] = self.vertex_normals[vertices]
         on_rim[at_corner] = self.rim_vertices[vertices]
         return normals, on_rim
-
-
-class _Edges:
-    """The half-edges of a mesh, sorted so that those of one edge follow each other."""
-
-    def __init__(self, faces: Faces, vertex_count: int) -> None:
-        begins, ends = faces.ravel(), np.roll(faces, -1, axis=1).ravel()  # half-edge 3 f + corner
-        self.keys = np.minimum(begins, ends) * vertex_count + np.maximum(begins, ends)
-        self.order = np.argsort(self.keys, kind="stable")
-        self.sorted_keys = self.keys[self.order]
-        self.vertex_count = vertex_count
-
-    def around(self, half_edges: Indices) -> tuple[Indices, Indices]:
-        """Return the range, in the order, of all half-edges on the edges of some of them."""
-        keys = self.keys[half_edges]
-        return (
-            np.searchsorted(self.sorted_keys, keys, side="left"),
-            np.searchsorted(self.sorted_keys, keys, side="right"),
-        )
-
-    def sum_of(self, normals: Points, first: Indices, last: Indices) -> Points:
-        """Return sums of the normals of the faces in ranges of the order."""
-        sums = np.zeros((len(first), 3))
-        for turn in range(int((last - first).max(initial=0))):
-            rows = np.flatnonzero(first + turn < last)
-            sums[rows] += normals[self.order[first[rows] + turn] // CORNERS]
-        return sums
-
-    def rim_vertices(self) -> Booleans:
-        """Return (n,) which vertices lie on an edge of a single face."""
-        edges, counts = np.unique(self.sorted_keys, return_counts=True)
-        rim = np.zeros(self.vertex_count, dtype=bool)
-        single = edges[counts == 1]
-        rim[single // self.vertex_count] = True
-        rim[single % self.vertex_count] = True
-        return rim

@@ -102,7 +102,7 @@ def deviation_picture(  # noqa: PLR0913  # what a map shows, and how
             item = PointCloud(scan, colours, radius=radius)
         heading, *lines = caption.split("\n")
         panels.append(Panel(render([item], aimed, size), heading, tuple(lines)))
-    panels.append(Panel(colour_bar(deepest, unit)))
+    panels.append(Panel(colour_bar(deepest, unit, HEIGHT)))
     save_panels(path, panels, title)
 
 

@@ -25,13 +25,13 @@ from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
 from meshlab_symrecon.geometry.deviation import (
     Facing,
     Heights,
-    first_alike,
+    TriangleSurface,
     heights_over_cloud,
     heights_over_mesh,
-    vertex_normals,
-    welded,
 )
 from meshlab_symrecon.geometry.local_planes import local_planes
+from meshlab_symrecon.geometry.mesh_edges import welded, winding_conflicts
+from meshlab_symrecon.geometry.places import distinct_places
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions
 from meshlab_symrecon.geometry.sampling import principal_frame
 from meshlab_symrecon.geometry.surfaces import enclosed_volume, topology
@@ -48,6 +48,7 @@ FACING = 0.5  # cosine of 60 degrees, between normals that face the same way
 REACH_SPACINGS = 2.5  # off to the side of the nearest sample, an image is over a hole
 SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
 RIM_REACH = 0.005  # off to the side of the border of a mesh, an image is over a hole
+FEW_CONFLICTS = 0.02  # share of edges of a mesh whose faces may contradict each other
 SLANT = 0.36  # tangent of 20 degrees: farther from the surface, that much more to the side
 STEEP_SLANT = 1.73  # tangent of 60 degrees: over an edge of a mesh, places lie off to its side
 
@@ -130,9 +131,10 @@ def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
     report(0.0, "looking at the surface")
     framed, frame = _in_own_frame(scan)
     if len(triangles):
-        measure = _over_mesh(framed, triangles, farthest)
+        measure = _over_mesh(framed, welded(scan, triangles), farthest)
     else:
-        measure = _over_cloud(framed, None if hints is None else hints @ frame.axes.T, farthest)
+        turned = None if hints is None else hints @ frame.axes.T
+        measure = _over_cloud(framed, distinct_places(scan), turned, farthest)
     report(0.5, "comparing with the mirror image")
     heights, counterpart, signed = measure(rows, frame.plane(mirror))
     distances, has_counterpart = np.zeros(len(scan)), np.zeros(len(scan), dtype=bool)
@@ -183,13 +185,13 @@ def _rows(chosen: ArrayLike, count: int) -> Indices:
 
 
 def _over_cloud(
-    points: Points, given: Points | None, farthest: float
+    points: Points, distinct: tuple[Indices, Indices], given: Points | None, farthest: float
 ) -> Callable[[Indices, Floats], _Measured]:
     """Return what measures rows of a cloud against its mirror image across a plane."""
-    distinct, sample = np.unique(first_alike(points), return_inverse=True)
-    samples = points[distinct]
+    chosen, sample = distinct
+    samples = points[chosen]
     planes = local_planes(samples)
-    hints = None if given is None else given[distinct]
+    hints = None if given is None else given[chosen]
     normals, sided = outward_normals(samples, planes.normals, hints)
     low, high = (factor * float(np.median(planes.spacing)) for factor in SPACING_RANGE)
     reach = REACH_SPACINGS * np.clip(planes.spacing, low, high)
@@ -197,7 +199,7 @@ def _over_cloud(
 
     def measure(rows: Indices, plane: Floats) -> _Measured:
         images = reflect(points[rows], plane)
-        directions = reflect_directions(normals[sample.reshape(-1)[rows]], plane)
+        directions = reflect_directions(normals[sample[rows]], plane)
         found = heights_over_cloud(images, directions, samples, normals, facing)
         over = found.aside <= np.maximum(reach[found.nearest], SLANT * np.abs(found.heights))
         return _signed(found, over, sided)
@@ -206,20 +208,20 @@ def _over_cloud(
 
 
 def _over_mesh(
-    points: Points, faces: Faces, farthest: float
+    points: Points, joined: tuple[Faces, Indices], farthest: float
 ) -> Callable[[Indices, Floats], _Measured]:
     """Return what measures vertices of a mesh against its mirror image across a plane."""
-    surface, vertex = welded(points, faces)
-    normals = vertex_normals(points, surface)
-    outwards = _winding(points, normals, surface)
+    faces, vertex = joined
+    surface = TriangleSurface(points, faces)
+    outwards = _winding(points, surface.vertex_normals, faces)
     sided = outwards != 0
     if outwards < 0:
-        surface, normals = surface[:, ::-1], -normals
+        surface = TriangleSurface(points, faces[:, ::-1])
     facing = Facing(FACING, sided, farthest)
 
     def measure(rows: Indices, plane: Floats) -> _Measured:
-        directions = reflect_directions(normals[vertex[rows]], plane)
-        found = heights_over_mesh(reflect(points[rows], plane), directions, points, surface, facing)
+        directions = reflect_directions(surface.vertex_normals[vertex[rows]], plane)
+        found = heights_over_mesh(reflect(points[rows], plane), directions, surface, facing)
         slant = np.where(found.on_rim, SLANT, STEEP_SLANT)
         over = found.aside <= np.maximum(RIM_REACH, slant * np.abs(found.heights))
         return _signed(found, over, sided)
@@ -240,8 +242,8 @@ def _winding(points: Points, normals: Points, faces: Faces) -> int:
     agreement = agreement_with_shape(points[used], normals[used])
     if agreement is not None and agreement <= 1.0 - CONSISTENT:
         return -1
-    trusted = shape.oriented or (agreement is not None and agreement >= CONSISTENT)
-    return 1 if trusted else 0
+    agrees = agreement is not None and agreement >= CONSISTENT
+    return 1 if agrees or winding_conflicts(faces) <= FEW_CONFLICTS else 0
 
 
 def _signed(found: Heights, over: Booleans, sided: bool) -> _Measured:

@@ -10,13 +10,12 @@ from scipy.spatial import ConvexHull, cKDTree
 from meshlab_symrecon import _native
 from meshlab_symrecon.geometry.deviation import (
     Facing,
-    first_alike,
+    TriangleSurface,
     heights_over_cloud,
     heights_over_mesh,
-    unit_rows,
-    vertex_normals,
-    welded,
 )
+from meshlab_symrecon.geometry.mesh_edges import unit_rows, welded
+from meshlab_symrecon.geometry.places import distinct_places, first_alike, nearby_order
 from meshlab_symrecon.geometry.surfaces import face_normals
 
 NO_DIRECTION = Facing(least_cosine=0.0, sided=False)  # everything counts
@@ -25,6 +24,8 @@ CUBE_FACES = np.array(
     [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6],
      [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
 )  # fmt: skip
+
+CUBOID = TriangleSurface(CUBE, CUBE_FACES)
 
 
 def soup(count, seed):
@@ -54,7 +55,9 @@ def distances_to_triangles(place, corners):
 def test_distances_to_triangles_are_those_of_every_triangle_tried(seed):
     points, faces = soup(60, seed)
     places = np.random.default_rng(seed + 10).normal(size=(150, 3))
-    found = heights_over_mesh(places, np.ones_like(places), points, faces, NO_DIRECTION)
+    found = heights_over_mesh(
+        places, np.ones_like(places), TriangleSurface(points, faces), NO_DIRECTION
+    )
     every = np.array([distances_to_triangles(place, points[faces]) for place in places])
     of_found = every[np.arange(len(places)), found.nearest]
     np.testing.assert_allclose(of_found, every.min(axis=1), rtol=1e-9)
@@ -101,18 +104,18 @@ def signed_distance_to_cube(places):
 
 def test_signed_distances_to_a_cube_are_exact_over_faces_edges_and_corners():
     places = np.random.default_rng(0).uniform(-2.5, 2.5, (4000, 3))
-    found = heights_over_mesh(places, np.ones_like(places), CUBE, CUBE_FACES, NO_DIRECTION)
+    found = heights_over_mesh(places, np.ones_like(places), CUBOID, NO_DIRECTION)
     np.testing.assert_allclose(found.heights, signed_distance_to_cube(places), atol=1e-14)
     assert not found.on_rim.any()
 
 
 def test_near_an_edge_the_side_that_faces_the_same_way_is_measured():
-    """Under the top of a cube, nearer to it than to the side, a place is still measured sideways."""
+    """Under the top of a cube, nearer to it than to the side, a place is measured sideways."""
     places = np.array([[0.7, 0.1, 0.9], [0.7, 0.1, 0.9], [1.2, 0.1, 0.9], [1.1, 0.1, 1.1]])
     directions = np.eye(3)[[0, 2, 0, 0]]
-    found = heights_over_mesh(places, directions, CUBE, CUBE_FACES, Facing(0.5))
+    found = heights_over_mesh(places, directions, CUBOID, Facing(0.5))
     np.testing.assert_allclose(found.heights, [-0.3, -0.1, 0.2, np.sqrt(0.02)], atol=1e-15)
-    away = heights_over_mesh(places[:1], -np.eye(3)[:1], CUBE, CUBE_FACES, Facing(0.5, within=1.0))
+    away = heights_over_mesh(places[:1], -np.eye(3)[:1], CUBOID, Facing(0.5, within=1.0))
     assert away.nearest.tolist() == [-1]
     assert away.heights.tolist() == away.aside.tolist() == [0.0]
     assert away.on_rim.tolist() == [False]
@@ -126,14 +129,8 @@ def test_the_tip_of_a_needle_faces_along_the_needle():
     places = np.array([[0.0, 0.0, 9.5], [0.0, 0.0, 9.0]])
     up = np.tile([0.0, 0.0, 1.0], (2, 1))
     assert (unit_rows(face_normals(tip, faces))[:, 2] < 0.2).all()
-    found = heights_over_mesh(places, up, tip, faces, Facing(0.5))
+    found = heights_over_mesh(places, up, TriangleSurface(tip, faces), Facing(0.5))
     np.testing.assert_allclose(found.heights, [0.5, 0.0], atol=1e-15)
-
-
-def test_the_corners_of_a_cube_face_along_its_diagonals_whatever_the_triangles():
-    np.testing.assert_allclose(vertex_normals(CUBE, CUBE_FACES), CUBE / np.sqrt(3), atol=1e-15)
-    with_stray = np.vstack([CUBE, [[5.0, 5.0, 5.0]]])
-    assert not vertex_normals(with_stray, CUBE_FACES)[8].any()
 
 
 def test_beyond_the_border_of_an_open_mesh_the_height_over_its_plane_counts():
@@ -141,7 +138,7 @@ def test_beyond_the_border_of_an_open_mesh_the_height_over_its_plane_counts():
     faces = np.array([[0, 1, 2], [0, 2, 3]])
     places = np.array([[0.5, 0.5, 0.2], [0.3, 0.6, -0.2], [1.5, 0.4, 0.2], [2.0, 2.0, -0.1]])
     up = np.tile([0.0, 0.0, 1.0], (4, 1))
-    found = heights_over_mesh(places, up, square, faces, Facing())
+    found = heights_over_mesh(places, up, TriangleSurface(square, faces), Facing())
     np.testing.assert_allclose(found.heights, [0.2, -0.2, 0.2, -0.1], atol=1e-15)
     np.testing.assert_allclose(found.aside, [0.0, 0.0, 0.5, np.sqrt(2.0)], atol=1e-15)
     assert found.on_rim.tolist() == [False, False, True, True]
@@ -186,9 +183,11 @@ def test_the_order_of_places_and_faces_does_not_matter():
     rng = np.random.default_rng(5)
     places = np.concatenate([rng.normal(size=(200, 3)), points[:50], points[:50]])
     directions = unit_rows(rng.normal(size=(300, 3)))
-    found = heights_over_mesh(places, directions, points, faces, Facing())
+    found = heights_over_mesh(places, directions, TriangleSurface(points, faces), Facing())
     rows, order = rng.permutation(300), rng.permutation(len(faces))
-    again = heights_over_mesh(places[rows], directions[rows], points, faces[order], Facing())
+    again = heights_over_mesh(
+        places[rows], directions[rows], TriangleSurface(points, faces[order]), Facing()
+    )
     square = np.hypot(found.heights, found.aside)[rows], np.hypot(again.heights, again.aside)
     np.testing.assert_allclose(square[1], square[0], atol=1e-12)
 
@@ -199,11 +198,17 @@ def test_vertices_that_coincide_are_joined_and_flat_faces_go():
     assert len(np.unique(faces)) == 8
     assert np.array_equal(torn[vertex], torn)
     places = np.random.default_rng(1).uniform(-2.0, 2.0, (500, 3))
-    found = heights_over_mesh(places, np.ones_like(places), torn, faces, NO_DIRECTION)
+    found = heights_over_mesh(
+        places, np.ones_like(places), TriangleSurface(torn, faces), NO_DIRECTION
+    )
     np.testing.assert_allclose(found.heights, signed_distance_to_cube(places), atol=1e-14)
     doubled = np.vstack([np.eye(3), np.eye(3)[:1]])
     assert welded(doubled, np.array([[0, 1, 3], [0, 1, 2]]))[0].tolist() == [[0, 1, 2]]
     assert first_alike(doubled).tolist() == [0, 1, 2, 0]
+    chosen, place = distinct_places(doubled)
+    assert sorted(chosen.tolist()) == [0, 1, 2]
+    assert np.array_equal(doubled[chosen][place], doubled)
+    assert sorted(nearby_order(doubled).tolist()) == [0, 1, 2, 3]
 
 
 def test_a_large_mesh_is_searched_as_exactly_as_its_sphere():
@@ -212,7 +217,7 @@ def test_a_large_mesh_is_searched_as_exactly_as_its_sphere():
     outward = np.einsum("ij,ij->i", face_normals(points, faces), points[faces[:, 0]]) > 0.0
     faces = np.where(outward[:, None], faces, faces[:, ::-1])
     places = np.random.default_rng(2).normal(size=(5000, 3))
-    found = heights_over_mesh(places, unit_rows(places), points, faces, Facing())
+    found = heights_over_mesh(places, unit_rows(places), TriangleSurface(points, faces), Facing())
     beyond = np.linalg.norm(places, axis=1) - 1.0
     assert np.abs(found.heights - beyond).max() < 3e-4  # the sagitta of its edges
 

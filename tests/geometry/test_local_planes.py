@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 import shapes
 
-from meshlab_symrecon.geometry.local_planes import local_planes
+from meshlab_symrecon.geometry.local_planes import _least_axes, local_planes
 
 
 def test_normals_and_spacing_of_a_lattice_are_exact():
@@ -22,6 +23,23 @@ def test_normals_of_a_sphere_face_its_centre():
     points = shapes.fibonacci_sphere(5000)
     cosines = np.abs(np.einsum("ij,ij->i", local_planes(points).normals, points))
     assert np.degrees(np.arccos(cosines.clip(max=1.0))).max() < 1.5
+
+
+@pytest.mark.parametrize("scale", [1e-20, 1.0, 1e20])
+@pytest.mark.parametrize(
+    "spread",
+    [
+        (0.0, 1.0, 2.0), (0.0, 1.0, 1.0), (1e-9, 1e-3, 1.0), (0.9, 1.0, 1.1), (1.0, 1.0, 2.0),
+        (0.0, 0.0, 1.0), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), (1.0 - 1e-9, 1.0, 5.0),
+    ],
+)  # fmt: skip
+def test_axes_of_least_spread_are_eigenvectors_to_the_last_digits(spread, scale):
+    turns = np.stack([shapes.rotation(seed) for seed in range(50)])
+    matrices = np.einsum("mij,j,mkj->mik", turns, np.array(spread) * scale, turns)
+    axes = _least_axes(matrices)
+    np.testing.assert_allclose(np.linalg.norm(axes, axis=1), 1.0, atol=1e-12)
+    along = np.einsum("mij,mj->mi", matrices, axes)
+    np.testing.assert_allclose(along, spread[0] * scale * axes, atol=1e-12 * scale)
 
 
 def test_noise_is_met_with_more_neighbours():

@@ -114,6 +114,15 @@ def test_faces_that_contradict_each_other_give_distances_without_sign():
     assert found.distances[-2:] == pytest.approx([HEIGHT, HEIGHT], abs=SAGITTA)
 
 
+def test_a_few_turned_faces_take_no_sign_away():
+    turned = FACES.copy()
+    turned[::500] = turned[::500, ::-1]
+    open_mesh = turned[1:]
+    found = mirror_deviation(BUMPED, X, open_mesh)
+    assert found.signed
+    assert found.distances[-2:] == pytest.approx([HEIGHT, -HEIGHT], abs=SAGITTA)
+
+
 def test_a_flat_relief_without_normals_gives_distances_without_sign():
     flat = np.stack(np.meshgrid(*[np.linspace(-1, 1, 61)] * 2), -1).reshape(-1, 2)
     height = 0.05 * np.exp(-(((flat - [0.5, 0.0]) / 0.2) ** 2).sum(axis=1))
