@@ -44,6 +44,11 @@ PICTURES = (
             (*SYMRECON, "reconstruct", NEFERTITI, "-o", "{scratch}/a.ply", "--preview", "{path}"),
         ),
     ),
+    Picture(
+        "deviation.png",
+        ((*PYTHON, "benchmarks/deviation_picture.py", "{path}"),),
+        needs=(DATA,),
+    ),
     Picture("planes.png", ((*PYTHON, "benchmarks/plane_pictures.py", "{path}"),)),
     Picture(
         "report.png",
