@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import (
     Booleans,
     Floats,
@@ -23,26 +23,24 @@ from meshlab_symrecon.arrays import (
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
 from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
-from meshlab_symrecon.geometry.neighbours import principal_normals
-from meshlab_symrecon.geometry.planes import reflect, reflect_directions
-from meshlab_symrecon.symmetry.coverage import covered
+from meshlab_symrecon.geometry.planes import reflect, reflect_directions, signed_distances
+from meshlab_symrecon.symmetry.asymmetry import asymmetry_field
+from meshlab_symrecon.symmetry.copying import off_lopsided_plinth, on_surface, standing_plane
+from meshlab_symrecon.symmetry.filling import Surroundings, any_missing, fill, part, surroundings
+from meshlab_symrecon.symmetry.open_rims import open_rims
+from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
 
-__all__ = ["GAP", "CompletedPoints", "mirror_complete"]
+__all__ = ["BLEND", "GAP", "CompletedPoints", "mirror_complete"]
 
 Progress: TypeAlias = Callable[[float, str], None]
 
 GAP = 1.0  # local spacings: nearer mirror images add nothing to what was measured
-SPACING_NEIGHBOURS = 4
-SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
-SMALLEST_PATCH = 12  # images: fewer together are no hole
-PATCH_REACH = 2.0  # spacings between neighbours in a patch
-ISOLATION_NEIGHBOURS = 8
-ISOLATED = 3.0  # medians of the mean distance to them: farther points are not copied
-BLEND_OVERLAP = 0.5  # reaches of the blend: nearer mirror images show the offset
-BESIDE = 1.0  # spacings: a mirror image farther along the surface from its partner shows nothing
-NORMAL_NEIGHBOURS = 16
-BLEND_NEIGHBOURS = 32  # whose median offset counts
-BLEND_SOURCES = 24  # overlap points that move a filled point
+BLEND = 0.25  # diagonals: how far the offset seen at the seam is carried at most
+ENOUGH = 200_000  # points on which the statue's asymmetry, its plinth and its rims are looked for
+FEWEST = 500  # points below which nothing can be said about asymmetry
+SAMPLES = 16  # of the prepared cloud; they are for detection
+NODES = 4  # places between which an offset is interpolated
+MOST_AWAY = 0.02  # diagonals: between a plane and a cloud that just reaches it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,6 +53,9 @@ class CompletedPoints:
     quality: Floats | None  # (n + m,)  copied
     mirrored: Booleans  # (n + m,)  False: measured
     source: Indices  # (n + m,)  the measured point that each point is, or is the image of
+    scattered: int  # measured points that lie on no surface, and were not mirrored
+    plinth: int  # measured points of a plinth that is not its own mirror image: not mirrored
+    open_rims: Floats  # (k, 4)  centre and width of holes missing on both sides, widest first
 
 
 def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
@@ -65,15 +66,17 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     quality: ArrayLike | None = None,
     *,
     gap: float = GAP,
-    blend: float = 0.0,
+    blend: float = BLEND,
+    source: ArrayLike | None = None,
     progress: Progress | None = None,
 ) -> CompletedPoints:
     """Fill the missing parts of a cloud with its own mirror images.
 
     A mirror image is added where nothing was measured: farther from every point so far than ``gap``
     times the spacing there, and over no measured surface that faces the same way (see
-    ``coverage``). Isolated points are not copied. Planes are used one after the other, each
-    on the cloud completed so far, so that two planes fill four quarters from one.
+    ``coverage``). Clutter is not copied, nor a plinth that is not its own mirror image. The fill
+    is no denser than what was measured round it. Planes are used one after the other, each on the
+    cloud completed so far, so that two planes fill four quarters from one.
 
     Parameters
     ----------
@@ -90,8 +93,11 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     gap : float
         Multiples of the local spacing.
     blend : float
-        Diagonals over which the filled part leans towards the measured surface at the seam; 0 for
-        exact mirror images. Measured points never move.
+        Diagonals over which the offset between mirror images and the measured surface is carried
+        into the filled part at most (see ``asymmetry``); 0 for exact mirror images. Measured
+        points never move.
+    source : (n,) bool, optional
+        The points that may be mirrored; all of them when left out.
     progress : callable, optional
         Called with a fraction and a message.
 
@@ -103,43 +109,72 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     Raises
     ------
     GeometryError
-        Arrays of the wrong shape, values that are not finite, or fewer than two points.
+        Arrays of the wrong shape, values that are not finite, fewer than five points or all of
+        them in one plane, or a plane that misses the cloud.
     ParameterError
         ``gap`` not positive, or ``blend`` negative.
     """
-    if not (np.isfinite(gap) and gap > 0.0):
-        message = f"gap must be a positive multiple of the spacing; got {gap!r}; use {GAP}"
-        raise ParameterError(message)
-    if not (np.isfinite(blend) and blend >= 0.0):
-        raise ParameterError(f"blend must be 0 or a positive length; got {blend!r}; use 0.06")
+    _check_lengths(gap, blend)
     measured = as_points(points)
     require_solid(measured, "mirror completion")
     mirrors = as_planes(np.atleast_2d(np.asarray(planes, dtype=np.float64)))
+    _check_planes(measured, mirrors)
     count = len(measured)
     directions = None if normals is None else as_normals(normals, count)
     paint = None if colours is None else _attribute(colours, count, "colours")
     worth = None if quality is None else _attribute(quality, count, "quality")
+    allowed = np.ones(count) if source is None else _attribute(source, count, "source")
 
-    positions, source = measured, np.arange(count)
+    scan = _scan(measured, directions, allowed != 0.0)
+    kept = len(scan.number)
+    positions, origin = scan.around.points, np.arange(kept)
+    turned = None if directions is None else directions[scan.number]
     for step, plane in enumerate(mirrors):
         if progress is not None:
             progress(step / len(mirrors), "filling with mirror images")
-        added, origin = _fill(positions, directions, plane, gap, blend)
-        positions = np.concatenate([positions, added])
-        source = np.concatenate([source, source[origin]])
-        if directions is not None:
-            turned = reflect_directions(directions[origin], plane)
-            directions = np.concatenate([directions, turned])
+        around = scan.around if step == 0 else surroundings(positions, turned)
+        images, chosen = _across(scan, around, origin, plane, gap, blend)
+        positions = np.concatenate([positions, images])
+        origin = np.concatenate([origin, origin[chosen]])
+        if turned is not None:
+            turned = np.concatenate([turned, reflect_directions(turned[chosen], plane)])
     if progress is not None:
         progress(1.0, "completed")
+    source_of = np.concatenate([np.arange(count), scan.number[origin[kept:]]])
+    mirrored_normals = None if turned is None else np.concatenate([directions, turned[kept:]])
     return CompletedPoints(
-        points=positions,
-        normals=directions,
-        colours=None if paint is None else paint[source],
-        quality=None if worth is None else worth[source],
-        mirrored=np.arange(len(positions)) >= count,
-        source=source,
+        points=np.concatenate([measured, positions[kept:]]),
+        normals=mirrored_normals,
+        colours=None if paint is None else paint[source_of],
+        quality=None if worth is None else worth[source_of],
+        mirrored=np.arange(len(source_of)) >= count,
+        source=source_of,
+        scattered=count - kept,
+        plinth=int(np.count_nonzero(~scan.off_plinth(mirrors[0]))) if len(mirrors) else 0,
+        open_rims=open_rims(positions[:: -(-len(positions) // ENOUGH)]),
     )
+
+
+def _check_lengths(gap: float, blend: float) -> None:
+    if not (np.isfinite(gap) and gap > 0.0):
+        message = f"gap must be a positive multiple of the spacing; got {gap!r}; use {GAP}"
+        raise ParameterError(message)
+    if not (np.isfinite(blend) and blend >= 0.0):
+        raise ParameterError(f"blend must be 0 or a positive length; got {blend!r}; use {BLEND}")
+
+
+def _check_planes(points: Points, planes: Floats) -> None:
+    """Refuse planes that the cloud lies beside, of which it cannot be one half."""
+    size = robust_diagonal(points)
+    for number, plane in enumerate(planes):
+        heights = signed_distances(points, plane)
+        away = max(float(heights.min()), -float(heights.max()))
+        if away > MOST_AWAY * size:
+            message = (
+                f"a mirror plane must pass through the scan; got plane {number} at "
+                f"{away / size:.2g} diagonals from it; move it, or detect planes anew"
+            )
+            raise GeometryError(message)
 
 
 def _attribute(values: ArrayLike, count: int, what: str) -> Floats:
@@ -152,85 +187,68 @@ def _attribute(values: ArrayLike, count: int, what: str) -> Floats:
     return rows
 
 
-def _fill(
-    points: Points, normals: Points | None, plane: Floats, gap: float, blend: float
+@dataclass(frozen=True, eq=False)
+class _Scan:
+    """The measured surface, without scatter, and what is found out about it on demand."""
+
+    number: Indices  # (k,)  of each point in the input
+    allowed: Booleans  # (k,)  may be mirrored
+    around: Surroundings
+
+    @cached_property
+    def _even(self) -> slice:
+        """Every n-th point along the curve: an even part of a large scan."""
+        return slice(None, None, -(-len(self.number) // ENOUGH))
+
+    @cached_property
+    def prepared(self) -> PreparedCloud:
+        sides = self.around.directions[self._even] if self.around.outward else None
+        return prepare(self.around.points[self._even], sides, SAMPLES)
+
+    @cached_property
+    def _standing(self) -> Floats | None:
+        return standing_plane(self.around.points[self._even])
+
+    def off_plinth(self, plane: Floats) -> Booleans:
+        """Tell which points are not on a plinth that lacks the mirror plane."""
+        if self._standing is None:
+            return np.ones(len(self.number), dtype=bool)
+        around = self.around
+        return off_lopsided_plinth(around.points, around.field, around.usual, self._standing, plane)
+
+
+def _scan(points: Points, normals: Points | None, allowed: Booleans) -> _Scan:
+    """Order a cloud along a space-filling curve, which makes searches fast, without scatter."""
+    order = _native.curve_order(points).astype(np.int64)
+    around = surroundings(points[order], None if normals is None else normals[order])
+    together = on_surface(around.points, around.distances, around.nearest)
+    return _Scan(order[together], allowed[order[together]], part(around, together))
+
+
+def _across(  # noqa: PLR0913, PLR0917
+    scan: _Scan, around: Surroundings, origin: Indices, plane: Floats, gap: float, blend: float
 ) -> tuple[Points, Indices]:
     """Return the mirror images that fill gaps, and the points they are images of."""
-    size = robust_diagonal(points)
-    tree = cKDTree(points)
-    around = tree.query(points, k=min(ISOLATION_NEIGHBOURS + 1, len(points)))[0][:, 1:]
-    isolation = around.mean(axis=1)
-    origin = np.flatnonzero(isolation <= ISOLATED * np.median(isolation))
-    images = reflect(points[origin], plane)
-    spacing = around[:, :SPACING_NEIGHBOURS].mean(axis=1)
-    low, high = (factor * float(np.median(spacing)) for factor in SPACING_RANGE)
-    distances, nearest = tree.query(images)
-    if blend > 0.0:
-        images = _lean(images, points, (distances, nearest), spacing[nearest], blend * size)
-        distances, nearest = tree.query(images)
-    reach = gap * np.clip(spacing[nearest], low, high)
-    missing = np.flatnonzero(distances > reach)
-    upright = principal_normals(points, points, NORMAL_NEIGHBOURS)[0]
-    directions = upright if normals is None else normals
-    facing = np.einsum(
-        "ij,ij->i",
-        reflect_directions(directions[origin[missing]], plane),
-        directions[nearest[missing]],
-    )
-    hovering = covered(
-        images[missing] - points[nearest[missing]],
-        upright[nearest[missing]],
-        facing,
-        reach[missing],
-        size,
-        outward=normals is not None,
-    )
-    missing = missing[~hovering]
-    missing = missing[_in_patches(images[missing], float(np.median(spacing)))]
-    return images[missing], origin[missing]
+    worth = scan.allowed & scan.off_plinth(plane)
+    sources = np.flatnonzero(worth[origin])
+    images = reflect(around.points[sources], plane)
+    if blend > 0.0 and len(scan.number) >= FEWEST:
+        if not any_missing(around, images, sources, plane, gap):
+            return images[:0], sources[:0]
+        images = _leaning(scan.prepared, images, plane, blend)
+    filling = fill(around, images, sources, plane, gap)
+    return images[filling], sources[filling]
 
 
-def _in_patches(images: Points, spacing: float) -> Booleans:
-    """Tell which images hang together in patches; a few stray ones are scatter, not a hole."""
-    smallest = min(SMALLEST_PATCH, max(1, len(images) // 100))
-    if smallest == 1:
-        return np.ones(len(images), dtype=bool)
-    pairs = cKDTree(images).query_pairs(PATCH_REACH * spacing, output_type="ndarray")
-    links = coo_matrix((np.ones(len(pairs), dtype=bool), pairs.T), shape=(len(images),) * 2)
-    patch = connected_components(links, directed=False)[1]
-    joined: Booleans = np.bincount(patch)[patch] >= smallest
-    return joined
-
-
-def _lean(
-    images: Points,
-    points: Points,
-    partners: tuple[Floats, Indices],
-    spacing: Floats,
-    reach: float,
-) -> Points:
-    """Move mirror images by the offset seen where they overlap what was measured, fading out.
-
-    Only the offset across the surface counts: along it, samples differ by chance, and at the rim of
-    a hole by how far the image lies beyond the rim.
-    """
-    distances, nearest = partners
-    near = np.flatnonzero(distances < BLEND_OVERLAP * reach)
-    normals = principal_normals(points, points[nearest[near]], NORMAL_NEIGHBOURS)[0]
-    gaps = points[nearest[near]] - images[near]
-    heights = np.einsum("ni,ni->n", gaps, normals)
-    beside = np.maximum(distances[near] ** 2 - heights**2, 0.0) < (BESIDE * spacing[near]) ** 2
-    overlap, offsets = near[beside], (heights[:, np.newaxis] * normals)[beside]
-    if len(overlap) < BLEND_NEIGHBOURS:
+def _leaning(cloud: PreparedCloud, images: Points, plane: Floats, blend: float) -> Points:
+    """Move mirror images by what is known of the statue's asymmetry."""
+    field = asymmetry_field(cloud, plane, blend)
+    if field is None:
         return images
-    tree = cKDTree(images[overlap])
-    around = tree.query(images[overlap], k=BLEND_NEIGHBOURS)[1]
-    offsets = np.median(offsets[around], axis=1)
-    separations, sources = tree.query(images, k=min(BLEND_SOURCES, len(overlap)))
-    extra = separations - separations[:, :1]  # the farther from the seam, the wider the average
-    weights = np.exp(-0.5 * (extra / (0.3 * reach)) ** 2)
+    nodes = reflect(cloud.points @ cloud.axes * cloud.scale + cloud.centre, plane)
+    offsets = field.offsets(nodes)
+    distances, nearest = cKDTree(nodes).query(images, k=NODES)
+    weights = np.exp(-((distances / np.maximum(distances[:, -1:], 1e-300)) ** 2))
     weights /= weights.sum(axis=1, keepdims=True)
-    fading = np.exp(-0.5 * (separations[:, 0] / reach) ** 2)
-    leaning = np.einsum("nk,nki->ni", weights, offsets[sources])
-    moved: Points = images + fading[:, np.newaxis] * leaning
-    return moved
+    leaning: Points = images + np.einsum("nk,nki->ni", weights, offsets[nearest])
+    return leaning

@@ -7,7 +7,7 @@ import numpy as np
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
 from meshlab_symrecon.geometry.neighbours import principal_normals
 
-__all__ = ["off_plinth"]
+__all__ = ["off_plinth", "plinth_top"]
 
 # Lengths are in diagonals of the cloud.
 LANDMARKS = 1_600
@@ -28,9 +28,6 @@ LEAST_LEFT = 0.4  # share of the cloud that stays
 def off_plinth(points: Points) -> Booleans:
     """Tell which points do not belong to a plinth.
 
-    A plinth is the part of the cloud between a flat ground, below which nothing lies, and a flat
-    top parallel to it, with upright walls in between; most of the cloud stands above it.
-
     Parameters
     ----------
     points : (n, 3) float
@@ -41,9 +38,31 @@ def off_plinth(points: Points) -> Booleans:
     (n,) bool
         False on the plinth; all true without one.
     """
-    all_points = np.ones(len(points), dtype=bool)
+    top = plinth_top(points)
+    if top is None:
+        return np.ones(len(points), dtype=bool)
+    left: Booleans = points @ top[:3] + top[3] > FACE_WIDTH
+    return left
+
+
+def plinth_top(points: Points) -> Floats | None:
+    """Find the face of a plinth that the statue stands on.
+
+    A plinth is the part of the cloud between a flat ground, below which nothing lies, and a flat
+    top parallel to it, with upright walls in between; most of the cloud stands above it.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        A cloud with a diagonal of about 1, without much clutter.
+
+    Returns
+    -------
+    (4,) float or None
+        The plane of the top, its normal upwards; None without a plinth.
+    """
     if len(points) < LANDMARKS // 4:
-        return all_points
+        return None
     places = points[:: max(1, len(points) // LANDMARKS)]
     normals, _ = principal_normals(points, places, NEIGHBOURS)
     for ground in _grounds(places, normals):
@@ -55,10 +74,10 @@ def off_plinth(points: Points) -> Booleans:
             upwards, heights = -upwards, -heights
         top = _top(heights, np.abs(normals @ upwards))
         if top is not None:
-            left: Booleans = (points - origin) @ upwards > top + FACE_WIDTH
-            if left.mean() >= LEAST_LEFT:
-                return left
-    return all_points
+            above = (points - origin) @ upwards > top + FACE_WIDTH
+            if above.mean() >= LEAST_LEFT:
+                return np.append(upwards, -origin @ upwards - top)
+    return None
 
 
 def _on_plane(places: Points, normals: Points, origin: Floats, normal: Floats) -> Booleans:

@@ -1,0 +1,222 @@
+"""Filling: the mirror images that lie where nothing was measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
+from meshlab_symrecon.geometry.bounds import robust_diagonal
+from meshlab_symrecon.geometry.neighbours import (
+    NearestField,
+    nearest_field,
+    principal_normals,
+)
+from meshlab_symrecon.geometry.planes import reflect_directions
+from meshlab_symrecon.symmetry.coverage import covered
+from meshlab_symrecon.symmetry.density import as_dense_as_around
+
+__all__ = ["Surroundings", "any_missing", "fill", "part", "surroundings"]
+
+NEIGHBOURS = 8
+SPACING_NEIGHBOURS = 4
+SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
+SMALLEST_PATCH = 12  # images: fewer together are no hole
+FIELD_CELL, FIELD_MARGIN = 0.008, 0.12  # diagonals: cells and rim of the table of nearest points
+FIELD_CELLS = 500_000
+PATCH_REACH = 2.0  # spacings between neighbours in a patch
+PATCH_NEIGHBOURS = 8
+NORMAL_NEIGHBOURS = 16
+FITTED = 60_000  # points to which normals are fitted
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surroundings:
+    """A cloud as its holes see it."""
+
+    points: Points  # (n, 3)  along a space-filling curve, which makes searches fast
+    directions: Points  # (n, 3)  unit normals
+    outward: bool  # they tell inside from outside
+    field: NearestField
+    distances: Floats  # (n, k)  to the nearest other points
+    nearest: Indices  # (n, k)  and which they are
+    spacing: Floats  # (n,)  mean distance to the four nearest
+    usual: float  # its median in the scan
+    diagonal: float
+
+    @property
+    def believed(self) -> Floats:
+        """The spacing of each point, (n,), within a factor of two of the usual one."""
+        low, high = SPACING_RANGE
+        within: Floats = np.clip(self.spacing, low * self.usual, high * self.usual)
+        return within
+
+    @property
+    def widest(self) -> float:
+        """The widest spacing that is believed."""
+        return SPACING_RANGE[1] * self.usual
+
+
+def surroundings(points: Points, normals: Points | None) -> Surroundings:
+    """Look up the neighbourhood of every point (n, 3), n at least 2, along a space-filling curve.
+
+    Where no normals (n, 3) are given, planes are fitted.
+    """
+    tree = cKDTree(points)
+    distances, nearest = tree.query(points, k=min(NEIGHBOURS + 1, len(points)))
+    spacing = distances[:, 1 : SPACING_NEIGHBOURS + 1].mean(axis=1)
+    diagonal = robust_diagonal(points)
+    return Surroundings(
+        points=points,
+        directions=_fitted(points) if normals is None else _unit(normals),
+        outward=normals is not None,
+        field=_field(points, diagonal),
+        distances=distances[:, 1:],
+        nearest=nearest[:, 1:],
+        spacing=spacing,
+        usual=float(np.median(spacing)),
+        diagonal=diagonal,
+    )
+
+
+def _field(points: Points, diagonal: float) -> NearestField:
+    return nearest_field(points, FIELD_CELL * diagonal, FIELD_MARGIN * diagonal, FIELD_CELLS)
+
+
+def _unit(normals: Points) -> Points:
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.asarray(normals / np.where(lengths > 0.0, lengths, 1.0), dtype=np.float64)
+
+
+def _fitted(points: Points) -> Points:
+    """Fit normals to an even part of a cloud along a curve; every point gets the nearest one."""
+    even = points[:: -(-len(points) // FITTED)]
+    normals = principal_normals(even, even, NORMAL_NEIGHBOURS)[0]
+    if len(even) == len(points):
+        return normals
+    return normals[cKDTree(even).query(points)[1]]
+
+
+def part(around: Surroundings, kept: Booleans) -> Surroundings:
+    """Leave out points (n,); the spacing of the others stays as it was."""
+    if kept.all():
+        return around
+    points = around.points[kept]
+    return replace(
+        around,
+        points=points,
+        directions=around.directions[kept],
+        field=_field(points, around.diagonal),
+        distances=around.distances[kept],
+        nearest=around.nearest[kept],
+        spacing=around.spacing[kept],
+    )
+
+
+def any_missing(
+    around: Surroundings, images: Points, origin: Indices, plane: Floats, gap: float
+) -> bool:
+    """Tell whether any mirror images lie where nothing was measured; see ``fill``."""
+    chosen, nearest, reach = _open(around, images, gap)
+    hovering = _hovering(around, images[chosen], origin[chosen], nearest, plane, reach)
+    return bool((~hovering).any())
+
+
+def fill(
+    around: Surroundings, images: Points, origin: Indices, plane: Floats, gap: float
+) -> Booleans:
+    """Choose the mirror images that fill holes.
+
+    Parameters
+    ----------
+    around : Surroundings
+        What was measured, and filled in before.
+    images : (m, 3) float
+        Mirror images, along a space-filling curve.
+    origin : (m,) int
+        The points they are images of.
+    plane : (4,) float
+        The mirror plane.
+    gap : float
+        Multiples of the local spacing: an image nearer to a point fills nothing.
+
+    Returns
+    -------
+    (m,) bool
+        True for those farther than the gap from every point, over no surface that faces the same
+        way, together with others, and no denser than the points round them.
+    """
+    chosen, nearest, reach = _open(around, images, gap)
+    free = ~_hovering(around, images[chosen], origin[chosen], nearest, plane, reach)
+    chosen, nearest = chosen[free], nearest[free]
+    joined = _in_patches(images[chosen], around.usual)
+    chosen, nearest = chosen[joined], nearest[joined]
+    even = as_dense_as_around(
+        images[chosen], around.spacing[origin[chosen]], around.points, around.spacing, nearest
+    )
+    filling = np.zeros(len(images), dtype=bool)
+    filling[chosen[even]] = True
+    return filling
+
+
+def _open(around: Surroundings, images: Points, gap: float) -> tuple[Indices, Indices, Floats]:
+    """Return the images that are farther than the gap from every point.
+
+    Returns
+    -------
+    chosen : (o,) int
+        Which of the images.
+    nearest : (o,) int
+        The point nearest to each.
+    reach : (o,) float
+        The gap there.
+    """
+    nearest = around.field.closest(images)
+    reach = gap * around.believed[nearest]
+    distances = np.linalg.norm(images - around.points[nearest], axis=1)
+    chosen = np.flatnonzero(distances > reach)
+    return chosen, nearest[chosen].astype(np.int64), reach[chosen]
+
+
+def _hovering(  # noqa: PLR0913, PLR0917  # a mirror image, and what it may hover over
+    around: Surroundings,
+    images: Points,
+    origin: Indices,
+    nearest: Indices,
+    plane: Floats,
+    reach: Floats,
+) -> Booleans:
+    """Tell which open images hover over a measured surface."""
+    upright = around.directions[nearest]
+    turned = reflect_directions(around.directions[origin], plane)
+    return covered(
+        images - around.points[nearest],
+        upright,
+        np.einsum("ij,ij->i", turned, upright),
+        reach,
+        around.diagonal,
+        outward=around.outward,
+    )
+
+
+def _in_patches(images: Points, spacing: float) -> Booleans:
+    """Tell which images hang together in patches; a few stray ones are scatter, not a hole."""
+    smallest = min(SMALLEST_PATCH, max(1, len(images) // 100))
+    if smallest == 1:
+        return np.ones(len(images), dtype=bool)
+    count = len(images)
+    nearest = cKDTree(images).query(
+        images, k=PATCH_NEIGHBOURS + 1, distance_upper_bound=PATCH_REACH * spacing
+    )[1][:, 1:]
+    first, second = np.repeat(np.arange(count), PATCH_NEIGHBOURS), nearest.ravel()
+    linked = second < count
+    links = coo_matrix(
+        (np.ones(linked.sum(), dtype=bool), (first[linked], second[linked])), shape=(count, count)
+    )
+    patch = connected_components(links, directed=False)[1]
+    joined: Booleans = np.bincount(patch)[patch] >= smallest
+    return joined
