@@ -153,4 +153,4 @@ def counted(number: int, what: str) -> str:
 def percent(share: float) -> str:
     """Write a share of 0 to 1."""
     shown = 100.0 * share
-    return f"{shown:.0f} %" if shown >= 10.0 or shown == 0.0 else f"{shown:.1f} %"
+    return f"{shown:.0f} %" if shown >= 9.95 or shown == 0.0 else f"{shown:.1f} %"

@@ -22,7 +22,7 @@ from meshlab_symrecon.cli import reconstruct as command
 from meshlab_symrecon.cli.deviation import DEVIATION, Deviation, measured_deviation
 from meshlab_symrecon.cli.method import PLANES, SCAN, noted, parameters_as_run, whole_method
 from meshlab_symrecon.cli.report import scene_of
-from meshlab_symrecon.cli.report_tables import _value, rounded
+from meshlab_symrecon.cli.report_tables import _value, percent, rounded
 from meshlab_symrecon.cli.report_words import words_of
 from meshlab_symrecon.errors import FileError, GeometryError, SymReconWarning
 from meshlab_symrecon.host.files import load, new_document
@@ -81,10 +81,10 @@ def test_the_summary_says_what_was_found(made):
     assert f"(confidence {found['planes'][0]['confidence']:.2f})" in text
     assert f"{found['mirrored']:,} points were invented" in text
     share = found["mirrored"] / (found["measured"] + found["mirrored"])
-    assert f"{100 * share:.0f} % of the {found['measured'] + found['mirrored']:,} points" in text
+    assert f"{percent(share)} of the {found['measured'] + found['mirrored']:,} points" in text
     assert "The surface is closed (it bounds a solid), in one piece, without handles" in text
     assert f"{found['surface']['faces']:,} triangles" in text
-    area = re.search(r"(\d+) % of its area is invented", text)
+    area = re.search(r"(\d+)(?:\.\d)? % of its area is invented", text)
     assert area is not None
     assert 1 <= int(area[1]) <= 60
 
@@ -275,6 +275,14 @@ def test_warnings_are_given_before_an_error(recwarn):
 )
 def test_numbers_are_written_to_be_read(number, words):
     assert rounded(number) == words
+
+
+@pytest.mark.parametrize(
+    ("share", "words"),
+    [(0.0, "0 %"), (0.00123, "0.1 %"), (0.0312, "3.1 %"), (0.0998, "10 %"), (1.0, "100 %")],
+)
+def test_shares_are_written_to_be_read(share, words):
+    assert percent(share) == words
 
 
 def test_a_scan_that_vanishes_is_one_sentence(result, tmp_path):
