@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from meshlab_symrecon.arrays import Booleans, Floats, Planes
-from meshlab_symrecon.errors import GeometryError
+from meshlab_symrecon.errors import GeometryError, ParameterError
 from meshlab_symrecon.geometry.plane_quads import PLANES_LABEL, planes_of_pieces
 from meshlab_symrecon.plugin import (
     Filter,
@@ -14,19 +16,26 @@ from meshlab_symrecon.plugin import (
     Outcome,
     ParameterSet,
     Progress,
+    boolean,
     diagonal_fraction,
     integer,
     layer,
     spacing_multiple,
 )
-from meshlab_symrecon.symmetry.completion import GAP, mirror_complete
+from meshlab_symrecon.provenance import paint_by_share
+from meshlab_symrecon.symmetry.completion import BLEND, GAP, CompletedPoints, mirror_complete
 
 LABEL = "completed points"
 MIRRORED = "mirrored"
+SCAN_QUALITY = "scan_quality"
 
 NO_PLANES = (
     f"there is no layer '{PLANES_LABEL}', so nothing was mirrored; "
     "detect planes first, or draw one and name its layer"
+)
+NO_NORMALS = (
+    "the scan has no normals, so the mirrored points have none either, and thin parts may be taken "
+    "for both of their sides; run compute_normal_for_point_clouds first"
 )
 
 
@@ -46,6 +55,13 @@ class Parameters(ParameterSet):
         low=1,
         high=64,
     )
+    plane: int = integer(
+        -1,
+        "Plane",
+        "The number of the only plane to use, 0 the first of the layer; -1 uses all.",
+        low=-1,
+        high=63,
+    )
     gap: float = spacing_multiple(
         GAP,
         "Gap",
@@ -54,11 +70,22 @@ class Parameters(ParameterSet):
         high=100.0,
     )
     blend: float = diagonal_fraction(
-        0.0,
+        BLEND,
         "Blend",
-        "Width of the seam over which mirrored points lean towards the measured surface; "
-        "0 keeps exact mirror images. Measured points never move.",
-        high=0.5,
+        "How far the difference between the two sides of the statue, seen where both were "
+        "measured, is carried into the mirrored part; 0 keeps exact mirror images. Measured points "
+        "never move.",
+        high=1.0,
+    )
+    onlyselected: bool = boolean(
+        False,
+        "Only selected",
+        "Mirror the selected points only; the others still count as measured.",
+    )
+    paint: bool = boolean(
+        False,
+        "Paint",
+        "Colour measured and mirrored points instead of copying the scan's colours.",
     )
 
 
@@ -66,7 +93,6 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
     """Complete the current layer's points across the planes of the planes layer."""
     source = layers.current
     planes, warnings = _planes(layers, parameters)
-    planes = planes[: parameters.maxplanes]
     completed = mirror_complete(
         source.points,
         planes,
@@ -74,30 +100,72 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
         colours=source.colours,
         gap=parameters.gap,
         blend=parameters.blend,
+        source=_selected(source) if parameters.onlyselected else None,
         progress=progress,
     )
     share = _share_invented(source, completed.mirrored)
+    carried = {name: values[completed.source] for name, values in _scalars(source).items()}
     added = Layer(
         completed.points,
         np.zeros((0, 3), dtype=np.int64),
         label=LABEL,
         normals=completed.normals,
-        colours=completed.colours,
+        colours=paint_by_share(share) if parameters.paint else completed.colours,
         quality=share,
-        attributes={MIRRORED: share},
+        attributes={**carried, MIRRORED: share},
     )
+    if source.normals is None and len(planes):
+        warnings = (*warnings, NO_NORMALS)
+    return Outcome((added,), measures=_measures(completed, share), warnings=warnings)
+
+
+def _measures(completed: CompletedPoints, share: Floats) -> dict[str, Any]:
     mirrored = int(np.count_nonzero(share))
-    measures = {"measured": len(share) - mirrored, "mirrored": mirrored}
-    return Outcome((added,), current=0, measures=measures, warnings=warnings)
+    return {
+        "measured": len(share) - mirrored,
+        "mirrored": mirrored,
+        "scattered": completed.scattered,
+        "plinth": completed.plinth,
+        "open_rims": completed.open_rims,
+    }
+
+
+def _selected(source: Layer) -> Booleans:
+    selection = source.selection
+    if selection is None:
+        message = (
+            f"with onlyselected, points of layer '{source.label}' must be selected; got none; "
+            "select what may be mirrored"
+        )
+        raise GeometryError(message)
+    return selection
+
+
+def _scalars(source: Layer) -> dict[str, Floats]:
+    """Return the scan's custom scalars, and its quality unless that is provenance."""
+    scalars = {name: np.asarray(values) for name, values in source.attributes.items()}
+    if source.quality is not None and _earlier_share(source) is None:
+        scalars.setdefault(SCAN_QUALITY, source.quality)
+    return scalars
 
 
 def _share_invented(source: Layer, added: Booleans) -> Floats:
     """Return 1 for every mirrored point, those of an earlier completion included; 0 elsewhere."""
     share: Floats = added.astype(np.float64)
-    earlier = source.attributes.get(MIRRORED)
+    earlier = _earlier_share(source)
     if earlier is not None:
-        share[: len(earlier)] = np.asarray(earlier) != 0.0
+        share[: len(earlier)] = earlier != 0.0
     return share
+
+
+def _earlier_share(source: Layer) -> Floats | None:
+    """Return what an earlier completion has marked; from a file, only quality is left of it."""
+    if MIRRORED in source.attributes:
+        return np.asarray(source.attributes[MIRRORED])
+    quality = source.quality
+    if quality is None or quality[0] != 0.0 or not np.isin(quality, (0.0, 1.0)).all():
+        return None
+    return None if (np.diff(quality) < 0.0).any() else quality
 
 
 def _planes(layers: Layers, parameters: Parameters) -> tuple[Planes, tuple[str, ...]]:
@@ -111,6 +179,12 @@ def _planes(layers: Layers, parameters: Parameters) -> tuple[Planes, tuple[str, 
         chosen = layers.newest(PLANES_LABEL)
     if chosen is None:
         return np.zeros((0, 4)), (NO_PLANES,)
+    if chosen.identifier == layers.current_identifier:
+        message = (
+            f"the scan must be the current layer; got the planes layer '{chosen.label}' itself; "
+            "make the scan current"
+        )
+        raise GeometryError(message)
     planes = planes_of_pieces(chosen.points, chosen.faces)
     if not len(planes):
         message = (
@@ -118,7 +192,14 @@ def _planes(layers: Layers, parameters: Parameters) -> tuple[Planes, tuple[str, 
             "no faces; detect planes first, or draw one"
         )
         raise GeometryError(message)
-    return planes, ()
+    if parameters.plane >= len(planes):
+        message = (
+            f"plane must be the number of a plane of layer '{chosen.label}', 0 to "
+            f"{len(planes) - 1}; got {parameters.plane}; use -1 for all"
+        )
+        raise ParameterError(message)
+    only = slice(parameters.plane, parameters.plane + 1)
+    return planes[: parameters.maxplanes] if parameters.plane < 0 else planes[only], ()
 
 
 FILTER = Filter(
@@ -130,11 +211,15 @@ FILTER = Filter(
         f"Reads the planes of the layer `{PLANES_LABEL}` (detected, moved or drawn by hand) and "
         "mirrors the current layer's points across them where nothing was measured. Adds the "
         f"layer `{LABEL}`: the measured points first, in their order, bit for bit, then the "
-        "mirrored ones with mirrored normals and copied colours. Vertex quality and the custom "
-        "attribute `mirrored` are 0 for measured points and 1 for mirrored ones; what an earlier "
-        "completion has mirrored stays 1. Without such a layer nothing is mirrored, and a warning "
-        "says so.\n\n"
-        "Returns the counts `measured` and `mirrored`."
+        "mirrored ones with mirrored normals, copied colours and copied custom scalars. Vertex "
+        "quality and the custom attribute `mirrored` are 0 for measured points and 1 for mirrored "
+        "ones; what an earlier completion has mirrored stays 1, and a quality of the scan's own "
+        f"goes on as the custom attribute `{SCAN_QUALITY}`. Clutter, and a plinth that is not its "
+        "own mirror image, are not mirrored. The fill is no denser than what was measured round "
+        "it. Without a planes layer nothing is mirrored, and a warning says so.\n\n"
+        "Returns the counts `measured` and `mirrored`, how many measured points were not mirrored "
+        "because they lie on no surface (`scattered`) or on such a `plinth`, and `open_rims`: "
+        "centre and width of every hole that is missing on both sides, widest first, (k, 4)."
     ),
     parameters=Parameters,
     run=run,

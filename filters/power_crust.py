@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from meshlab_symrecon.plugin import (
     Citation,
     Filter,
@@ -20,6 +22,7 @@ from meshlab_symrecon.powercrust.attributes import carry_over
 from meshlab_symrecon.powercrust.labelling import METHODS
 from meshlab_symrecon.powercrust.recipe import SURFACES, Recipe
 from meshlab_symrecon.powercrust.reconstruction import PowerCrust, reconstruct
+from meshlab_symrecon.provenance import paint_by_share
 
 LABEL = "power crust"
 AXIS_LABEL = "medial axis"
@@ -66,6 +69,12 @@ class Parameters(ParameterSet):
         "Leave holes of the scan open that are wider than this. 0 closes all, so that the surface "
         "bounds a solid.",
     )
+    paint: bool = boolean(
+        False,
+        "Paint",
+        "Colour the surface by its share invented, where quality is 0 for measured points and 1 "
+        "for mirrored ones, instead of the colours of the points.",
+    )
     medialaxis: bool = boolean(
         False,
         "Medial axis",
@@ -92,7 +101,7 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
     """Reconstruct the current layer's points."""
     source = layers.current
     crust = reconstruct(source.points, _recipe(parameters), progress=progress)
-    added = [_surface(source, crust)]
+    added = [_surface(source, crust, paint=parameters.paint)]
     if parameters.medialaxis or parameters.outeraxis:
         axis = crust.axis
         added.append(Layer(axis.points, axis.faces, label=AXIS_LABEL, quality=axis.radii))
@@ -136,11 +145,13 @@ def _measures(crust: PowerCrust) -> dict[str, Any]:
     }
 
 
-def _surface(source: Layer, crust: PowerCrust) -> Layer:
+def _surface(source: Layer, crust: PowerCrust, *, paint: bool) -> Layer:
     quality, colours = (
         None if values is None else carry_over(source.points, values, crust.points)
         for values in (source.quality, source.colours)
     )
+    if paint:
+        colours = paint_by_share(np.zeros(len(crust.points)) if quality is None else quality)
     return Layer(crust.points, crust.faces, label=LABEL, colours=colours, quality=quality)
 
 

@@ -12,12 +12,13 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGE = "meshlab_symrecon"
 
-BORDER = {"errors", "arrays"}
+BORDER = {"errors", "arrays", "provenance"}
 KERNEL = BORDER | {"_native", "geometry"}
 ALGORITHMS = {"clustering", "symmetry", "powercrust"}
 ALLOWED = {
     "errors": set(),
     "arrays": {"errors"},
+    "provenance": {"arrays"},
     "geometry": BORDER | {"_native"},
     "clustering": KERNEL,
     "symmetry": KERNEL | {"clustering"},

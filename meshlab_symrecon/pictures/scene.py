@@ -18,6 +18,7 @@ from meshlab_symrecon.arrays import (
     as_points,
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
+from meshlab_symrecon.provenance import INVENTED, MEASURED, colours_by_share
 
 __all__ = [
     "INVENTED",
@@ -34,8 +35,6 @@ __all__ = [
 
 Colours: TypeAlias = NDArray[np.uint8]  # (n, 3)  sRGB
 
-MEASURED = (222, 203, 174)  # warm limestone
-INVENTED = (58, 134, 148)  # its complement: verdigris
 PLANE = (214, 120, 84)  # terracotta
 
 
@@ -185,14 +184,6 @@ class PlaneSheet:
 
 
 Item: TypeAlias = PointCloud | TriangleMesh | PlaneSheet
-
-
-def colours_by_share(share_invented: Floats) -> Colours:
-    """Return (n, 3) colours from measured (share 0) to invented (share 1)."""
-    share = np.clip(np.asarray(share_invented, dtype=float), 0.0, 1.0)[:, None]
-    mixed = (1.0 - share) * np.array(MEASURED) + share * np.array(INVENTED)
-    colours: Colours = np.round(mixed).astype(np.uint8)
-    return colours
 
 
 def plane_sheet(

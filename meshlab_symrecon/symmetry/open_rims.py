@@ -14,9 +14,10 @@ from meshlab_symrecon.geometry.sampling import farthest_point_order, thin_by_vox
 
 __all__ = ["open_rims"]
 
-LEVEL = 40_000  # points among which rims are looked for
+LEVEL = 8_000  # points among which rims are looked for
 NORMAL_NEIGHBOURS = 16
-LINK = 3.0  # spacings between neighbours on a rim
+LINK = 4.0  # spacings between neighbours on a rim
+FLAT = 0.5  # spacings: thicker neighbourhoods are limbs seen whole, or sharp edges
 NARROWEST = 0.03  # diagonals: holes below are closed by any reconstruction
 NARROWEST_SPACINGS = 8.0
 FEWEST = 12  # points of a rim
@@ -42,8 +43,9 @@ def open_rims(points: Points) -> Floats:
     if len(even) <= NORMAL_NEIGHBOURS:
         return np.zeros((0, 4))
     spacing = float(np.median(cKDTree(even).query(even, k=2)[0][:, 1]))
-    normals = principal_normals(even, even, NORMAL_NEIGHBOURS)[0]
-    rims = even[border_points(even, normals)]
+    normals, thickness = principal_normals(even, even, NORMAL_NEIGHBOURS)
+    flat = thickness < FLAT * spacing
+    rims = even[border_points(even, normals) & flat]
     narrowest = max(NARROWEST * robust_diagonal(points), NARROWEST_SPACINGS * spacing)
     found = [
         np.append(rim.mean(axis=0), _width(rim))

@@ -1,0 +1,27 @@
+"""The colours of what was measured and what was invented, in layers, pictures and pages alike."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshlab_symrecon.arrays import Floats
+
+__all__ = ["INVENTED", "MEASURED", "colours_by_share", "paint_by_share"]
+
+MEASURED = (222, 203, 174)  # sRGB: warm limestone
+INVENTED = (58, 134, 148)  # its complement: verdigris
+
+
+def colours_by_share(share_invented: Floats) -> NDArray[np.uint8]:
+    """Return (n, 3) sRGB colours from measured (share 0) to invented (share 1)."""
+    share = np.clip(np.asarray(share_invented, dtype=float), 0.0, 1.0)[:, None]
+    mixed = (1.0 - share) * np.array(MEASURED) + share * np.array(INVENTED)
+    colours: NDArray[np.uint8] = np.round(mixed).astype(np.uint8)
+    return colours
+
+
+def paint_by_share(share_invented: Floats) -> Floats:
+    """Return the same as a layer's vertex colours: (n, 4) in 0..1, opaque."""
+    colours = colours_by_share(share_invented) / 255.0
+    return np.column_stack([colours, np.ones(len(colours))])
