@@ -88,7 +88,7 @@ def _value(value: Any) -> str:
     if isinstance(value, Mapping):
         return "; ".join(f"{name}: {_value(item)}" for name, item in value.items())
     if isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, str):
-        return ", ".join(_value(item) for item in value)
+        return ", ".join(_value(item) for item in value) or "none"
     return str(value)
 
 

@@ -185,7 +185,12 @@ def test_doubts_are_warnings(result, statue):
         found={**result.found, "confidence": np.array([0.61]), "converged": False},
         warnings=("the scan was odd",),
         surface={**result.surface, "closed": False, "components": 2, "genus": -1},
-        completed={**result.completed, "missing_on_both_sides": 0.0312, "holes": np.arange(3)},
+        completed={
+            **result.completed,
+            "missing_on_both_sides": 0.0312,
+            "holes": np.arange(3),
+            "rims": [],
+        },
     )
     words = words_of(statue, doubtful, scene_of(doubtful), Deviation(), "symrecon")
     assert words.warnings[0] == "The scan was odd."
@@ -195,6 +200,7 @@ def test_doubts_are_warnings(result, statue):
     rows = dict(words.sections[0].content[0].rows)
     assert rows["Missing on both sides"] == "0.0312"  # a measure that this page does not know
     assert rows["Holes"] == "0, 1, 2"
+    assert rows["Rims"] == "none"
     assert words_of(statue, result, scene_of(result), Deviation(), "symrecon").warnings == ()
 
 
