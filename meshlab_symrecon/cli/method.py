@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+from meshlab_symrecon.errors import SymReconWarning
 
 __all__ = [
     "CLOSE",
@@ -17,6 +21,7 @@ __all__ = [
     "SCAN",
     "SURFACE",
     "Reconstruction",
+    "noted",
     "parameters_as_run",
     "whole_method",
 ]
@@ -34,7 +39,7 @@ SEED = "randomseed"
 
 @dataclass(frozen=True, slots=True)
 class Reconstruction:
-    """The document after the whole method, its layers, and what each filter measured."""
+    """The document after the whole method, its layers, what each filter measured and warned of."""
 
     mesh_set: Any
     layers: Mapping[str, int]  # label: identifier
@@ -42,10 +47,35 @@ class Reconstruction:
     found: Mapping[str, Any]
     completed: Mapping[str, Any]
     surface: Mapping[str, Any]
+    warnings: tuple[str, ...] = ()
 
 
 def whole_method(scan: Path, seed: int, progress: Callable[[float, str], None]) -> Reconstruction:
     """Load a scan and run the filters of the documented chain on it."""
+    with noted() as sentences:
+        result = _run_all(scan, seed, progress)
+    return replace(result, warnings=tuple(sentences))
+
+
+@contextmanager
+def noted() -> Iterator[list[str]]:
+    """Yield a list that holds our warnings' sentences at the end; all warnings are given then."""
+    sentences: list[str] = []
+    caught: list[warnings.WarningMessage] = []
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            yield sentences
+    finally:
+        for warning in caught:
+            if issubclass(warning.category, SymReconWarning):
+                sentences.append(str(warning.message))
+            warnings.warn_explicit(
+                warning.message, warning.category, warning.filename, warning.lineno
+            )
+
+
+def _run_all(scan: Path, seed: int, progress: Callable[[float, str], None]) -> Reconstruction:
     from meshlab_symrecon.host.files import load
     from meshlab_symrecon.host.meshset import current_identifier
 

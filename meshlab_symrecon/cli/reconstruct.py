@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
+import shlex
 import time
 from dataclasses import dataclass
 from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import click
 
 from meshlab_symrecon import __version__
-from meshlab_symrecon.cli.method import (
-    COMPLETED,
-    LABELS,
-    SCAN,
-    SURFACE,
-    Reconstruction,
-    parameters_as_run,
-    whole_method,
-)
+from meshlab_symrecon.cli.method import LABELS, Reconstruction, parameters_as_run, whole_method
 from meshlab_symrecon.cli.progress import progress_bar
 from meshlab_symrecon.errors import SymReconError
 
 __all__ = ["reconstruct"]
 
 PICTURES = ("png",)
+PAGES = ("html", "htm")
 SEED_LIMIT = 2**31 - 1
 
 
@@ -34,9 +29,10 @@ class Outputs:
     """Where the results go."""
 
     surface: Path
-    project: Path | None
-    report: Path | None
-    preview: Path | None
+    project: Path | None = None
+    json: Path | None = None
+    preview: Path | None = None
+    report: Path | None = None
 
 
 @click.command()
@@ -57,7 +53,7 @@ class Outputs:
 )
 @click.option(
     "--json",
-    "report",
+    "json_path",
     type=click.Path(path_type=Path),
     metavar="R.json",
     help="Also save what was found and measured.",
@@ -69,6 +65,13 @@ class Outputs:
     help="Also draw scan, plane and surface side by side (needs matplotlib).",
 )
 @click.option(
+    "--report",
+    type=click.Path(path_type=Path),
+    metavar="R.html",
+    help="Also write a page to judge and repeat the result by: a view to turn, what was found and "
+    "invented, every parameter and version (needs plotly and matplotlib).",
+)
+@click.option(
     "--seed", type=click.IntRange(0, SEED_LIMIT), default=0, show_default=True,
     help="Seed of what is random; equal seeds give equal results.",
 )  # fmt: skip
@@ -76,8 +79,9 @@ def reconstruct(
     scan: Path,
     output: Path,
     project: Path | None,
-    report: Path | None,
+    json_path: Path | None,
     preview: Path | None,
+    report: Path | None,
     seed: int,
 ) -> None:
     """Complete SCAN from its own mirror symmetry and close it with the Power Crust.
@@ -88,17 +92,17 @@ def reconstruct(
     from meshlab_symrecon.host.files import save_current
 
     started = time.perf_counter()
-    outputs = Outputs(output, project, report, preview)
+    outputs = Outputs(output, project, json_path, preview, report)
     _check_outputs(scan, outputs)
     with progress_bar("reconstructing") as progress:
         result = whole_method(scan, seed, progress)
     save_current(result.mesh_set, output)
-    _write_extras(scan, outputs, result)
+    _write_extras(scan, outputs, result, seed)
     seconds = time.perf_counter() - started
-    if report is not None:
+    if json_path is not None:
         from meshlab_symrecon.cli.reports import write_json
 
-        write_json(report, as_data(scan, outputs, result, seed, seconds))
+        write_json(json_path, as_data(scan, outputs, result, seed, seconds))
     for line in in_words(scan, result):
         click.echo(line)
     click.echo(f"written         {output} in {seconds:.1f} s")
@@ -111,7 +115,10 @@ def _check_outputs(scan: Path, outputs: Outputs) -> None:
 
     check_output(outputs.surface, [scan])
     used = [scan, outputs.surface]
-    others = ((outputs.project, (PROJECT,)), (outputs.report, ()), (outputs.preview, PICTURES))
+    others = (
+        (outputs.project, (PROJECT,)), (outputs.json, ()), (outputs.preview, PICTURES),
+        (outputs.report, PAGES),
+    )  # fmt: skip
     for path, known in others:
         if path is not None:
             check_output(path, used, known)
@@ -119,15 +126,20 @@ def _check_outputs(scan: Path, outputs: Outputs) -> None:
     if outputs.project is not None:
         for name in layer_files(outputs.project, dict(enumerate(LABELS))).values():
             check_output(outputs.project.parent / name, used)
-    if outputs.preview is not None and find_spec("matplotlib") is None:
-        message = (
-            "--preview needs matplotlib, which is not installed; run "
-            "pip install 'meshlab-symrecon[report]'"
-        )
-        raise SymReconError(message)
+    for option, path, libraries in (
+        ("--preview", outputs.preview, ("matplotlib",)),
+        ("--report", outputs.report, ("plotly", "matplotlib")),
+    ):
+        for library in libraries if path is not None else ():
+            if find_spec(library) is None:
+                message = (
+                    f"{option} needs {library}, which is not installed; run "
+                    "pip install 'meshlab-symrecon[report]'"
+                )
+                raise SymReconError(message)
 
 
-def _write_extras(scan: Path, outputs: Outputs, result: Reconstruction) -> None:
+def _write_extras(scan: Path, outputs: Outputs, result: Reconstruction, seed: int) -> None:
     if outputs.project is not None:
         from meshlab_symrecon.host.projects import save_project
 
@@ -140,22 +152,34 @@ def _write_extras(scan: Path, outputs: Outputs, result: Reconstruction) -> None:
 
         with replacing(outputs.preview) as staged:
             _draw(scan, result, staged)
+    if outputs.report is not None:
+        from meshlab_symrecon.cli.report import write_report
+
+        write_report(outputs.report, scan, result, command_line(scan, outputs, seed))
+
+
+def command_line(scan: Path, outputs: Outputs, seed: int) -> str:
+    """Return the command that gives these outputs again."""
+    options = {
+        "-o": outputs.surface,
+        "--project": outputs.project,
+        "--json": outputs.json,
+        "--preview": outputs.preview,
+        "--report": outputs.report,
+        "--seed": seed,
+    }
+    given = [(name, str(value)) for name, value in options.items() if value is not None]
+    return shlex.join(["symrecon", "reconstruct", str(scan), *chain.from_iterable(given)])
 
 
 def _draw(scan: Path, result: Reconstruction, path: Path) -> None:
-    import numpy as np
-
-    from meshlab_symrecon.host.meshset import read_layer
+    from meshlab_symrecon.cli.report import scene_of
     from meshlab_symrecon.pictures.main_job import main_job_picture
 
-    layers = {label: read_layer(result.mesh_set, n) for label, n in result.layers.items()}
-    measured, surface = layers[SCAN], layers[SURFACE]
-    completed = layers.get(COMPLETED, measured)
-    mirrored = np.arange(len(completed.points)) >= len(measured.points)
-    invented = surface.quality if surface.quality is not None else np.zeros(len(surface.points))
+    seen = scene_of(result)
     main_job_picture(
-        measured.points, result.found["planes"], completed.points, mirrored,
-        surface.points, surface.faces, invented, path, title=scan.name,
+        seen.scan, seen.planes, seen.completed, seen.mirrored, seen.surface, seen.faces,
+        seen.share, path, title=scan.name,
     )  # fmt: skip
 
 

@@ -161,6 +161,9 @@ def test_without_a_plane_it_closes_what_was_measured(shell, lopsided, tmp_path):
         (["-o", "a.ply", "--json", "{scan}"], "would overwrite"),
         (["-o", "a.ply", "--project", "p.ply"], "known are mlp"),
         (["-o", "a.ply", "--preview", "p.pdf"], "known are png"),
+        (["-o", "a.ply", "--report", "r.pdf"], "known are html, htm"),
+        (["-o", "a.ply", "--report", "none/r.html"], "no directory is at"),
+        (["-o", "a.ply", "--json", "r.html", "--report", "r.html"], "would overwrite"),
         (["-o", "p-scan.ply", "--project", "p.mlp"], "would overwrite"),
     ],
 )
@@ -206,13 +209,24 @@ def test_the_preview_gets_every_layer(run, request, tmp_path, monkeypatch, name)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.PNG", "a.ply"]
 
 
-def test_a_preview_without_matplotlib_is_refused_first(run, statue, tmp_path, monkeypatch):
-    monkeypatch.setattr(command, "find_spec", lambda name: None)
+@pytest.mark.parametrize(
+    ("option", "name", "library"),
+    [
+        ("--preview", "a.png", "matplotlib"),
+        ("--report", "a.html", "matplotlib"),
+        ("--report", "a.html", "plotly"),
+    ],
+)
+def test_a_missing_library_is_named_first(
+    run, statue, tmp_path, monkeypatch, option, name, library
+):
+    monkeypatch.setattr(command, "find_spec", lambda asked: None if asked == library else asked)
     monkeypatch.setattr(command, "whole_method", lambda *given: pytest.fail("the work started"))
-    result = run("reconstruct", statue, "-o", tmp_path / "a.ply", "--preview", tmp_path / "a.png")
+    result = run("reconstruct", statue, "-o", tmp_path / "a.ply", option, tmp_path / name)
     assert result.exit_code == 1
-    assert "--preview needs matplotlib" in result.stderr
+    assert f"{option} needs {library}, which is not installed" in result.stderr
     assert "pip install 'meshlab-symrecon[report]'" in result.stderr
+    assert len(result.stderr.splitlines()) == 1
 
 
 def test_an_error_in_the_middle_leaves_nothing(run, statue, tmp_path, monkeypatch):
