@@ -186,6 +186,7 @@ def _draw(scan: Path, result: Reconstruction, path: Path) -> None:
 def in_words(scan: Path, result: Reconstruction) -> list[str]:
     """Return what was found, one line a finding."""
     from meshlab_symrecon.cli.reports import detection
+    from meshlab_symrecon.cli.unfilled import holes, left_alone, place, width
 
     lines = [f"scan            {scan} with {result.points} points"]
     planes = detection(result.found)["planes"]
@@ -198,6 +199,12 @@ def in_words(scan: Path, result: Reconstruction) -> list[str]:
         lines.append("                the clustering stopped before it had converged")
     counts = result.completed
     lines.append(f"points          {counts['measured']} measured, {counts['mirrored']} mirrored")
+    lines += [f"not mirrored    {phrase}" for phrase in left_alone(counts)]
+    unfilled = holes(counts)
+    if len(unfilled):
+        several = "1 hole" if len(unfilled) == 1 else f"{len(unfilled)} holes, the widest"
+        widest = f"{width(unfilled[0])} wide at {place(unfilled[0])}"
+        lines.append(f"not filled      {several} {widest}: missing on both sides of the plane")
     measures = result.surface
     closed = "closed" if measures["closed"] else "NOT closed"
     components = measures["components"]

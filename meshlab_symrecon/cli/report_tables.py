@@ -13,19 +13,32 @@ from typing import Any
 import numpy as np
 
 from meshlab_symrecon import __version__
+from meshlab_symrecon.arrays import Floats
 from meshlab_symrecon.cli.deviation import Deviation
 from meshlab_symrecon.cli.method import Reconstruction
+from meshlab_symrecon.cli.unfilled import holes, place, width
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.atomic import reason
 from meshlab_symrecon.pictures.report import Table
 from meshlab_symrecon.pictures.report_scene import ReportScene
 
-__all__ = ["counted", "files_table", "numbers_table", "percent", "planes_table", "rounded"]
+__all__ = [
+    "counted",
+    "files_table",
+    "holes_table",
+    "numbers_table",
+    "percent",
+    "planes_table",
+    "rounded",
+]
 
 LIBRARIES = ("pymeshlab", "numpy", "scipy", "scikit-learn", "plotly")
 MEASURES = {
     "measured": "Measured points",
     "mirrored": "Invented points",
+    "scattered": "Points not mirrored, since they lie on no surface",
+    "plinth": "Points not mirrored, of a plinth that is not its own mirror image",
+    "open_rims": "Holes missing on both sides",
     "edge_manifold": "Surface: no edge has more than two faces",
     "vertex_manifold": "Surface: the faces round every vertex form one fan",
     "closed": "Surface: closed",
@@ -51,6 +64,7 @@ DEVIATIONS = {
     "signed": "Deviation: told inside from outside",
     "plane": "Deviation: across the plane (A, B, C, D)",
 }
+HOLES = "open_rims"
 UNEQUAL = ("seconds",)  # measures that differ from run to run, so that pages would, too
 
 
@@ -64,6 +78,8 @@ def numbers_table(result: Reconstruction, scene: ReportScene, deviation: Deviati
         for name, value in measures.items()
         if name not in UNEQUAL
     }
+    if HOLES in measured:
+        measured[HOLES] = len(holes(result.completed))  # where they are has a table of its own
     rows = [("Box of the scan, in the file's unit", lengths)]
     rows += [(_label(name), _value(value)) for name, value in measured.items()]
     rows.append(("Surface: area, in squares of the file's unit", rounded(area)))
@@ -110,6 +126,12 @@ def planes_table(planes: Sequence[Mapping[str, Any]]) -> Table:
         for number, plane in enumerate(planes, start=1)
     ]  # fmt: skip
     return Table(columns, tuple(rows))
+
+
+def holes_table(unfilled: Floats) -> Table:
+    """Return width and place of holes (k, 4), widest first."""
+    rows = [(str(n), width(hole), place(hole)) for n, hole in enumerate(unfilled, start=1)]
+    return Table(("Hole", "Width", "Place (x, y, z)"), tuple(rows))
 
 
 def files_table(scan: Path) -> Table:

@@ -13,11 +13,13 @@ from meshlab_symrecon.cli.report_recipe import recipe, steps
 from meshlab_symrecon.cli.report_tables import (
     counted,
     files_table,
+    holes_table,
     numbers_table,
     percent,
     planes_table,
 )
 from meshlab_symrecon.cli.reports import detection
+from meshlab_symrecon.cli.unfilled import holes, left_alone, place, width
 from meshlab_symrecon.pictures.report import ReportWords, Section
 from meshlab_symrecon.pictures.report_scene import ReportScene
 
@@ -29,6 +31,13 @@ PLANE_WORDS = (
     "the file. Support is the share of points that have a mirror partner; residual the root mean "
     "square distance between partners, as a share of the diagonal of the scan's box; confidence "
     "how sure the detection is of the plane, from 0 (a guess) to 1 (certain)."
+)
+
+HOLES_WORDS = (
+    "Holes of the scan that are holes on the other side of the statue, too, or lie on the mirror "
+    "plane itself, so that no mirror image fills them. The surface bridges them smoothly: what it "
+    "shows there is neither measured nor mirrored. An open underside is counted as well. Width is "
+    "the largest distance across, place the middle of the rim, both as in the file."
 )
 
 
@@ -46,6 +55,9 @@ def words_of(
     sections = [Section("Numbers", (numbers_table(result, scene, deviation),))]
     if planes:
         sections.append(Section("Mirror planes", (planes_table(planes), PLANE_WORDS)))
+    unfilled = holes(result.completed)
+    if len(unfilled):
+        sections.append(Section("Missing on both sides", (holes_table(unfilled), HOLES_WORDS)))
     sections += [*steps(result, deviation.steps), *recipe(result, scan, command)]
     sections.append(Section("Files and versions", (files_table(scan),)))
     return ReportWords(
@@ -68,7 +80,9 @@ def _summary(
         invented = percent(scene.invented_area()[1])
         return [
             _found(result, scene, planes),
+            *_left_alone(result),
             f"{_shape(result, scene)} {invented} of its area is invented.",
+            *_unfilled(result),
             *_compared(deviation),
             "What is invented shows what the other side looks like. It is a conjecture about what "
             "this side was, and only as good as the mirror plane.",
@@ -90,8 +104,31 @@ def _found(result: Reconstruction, scene: ReportScene, planes: Sequence[Mapping[
         f"{'one mirror plane was found' if len(planes) == 1 else several} (confidence {sure}). "
         f"{counted(added, 'point')} {'was' if added == 1 else 'were'} invented, by mirroring "
         f"measured points to where nothing was measured: {percent(added / max(all_points, 1))} "
-        f"of the {counted(all_points, 'point')} that the surface was made from."
+        f"of the {counted(all_points, 'point')} of the completed scan."
     )
+
+
+def _left_alone(result: Reconstruction) -> list[str]:
+    """Say what was measured but not mirrored, if anything."""
+    phrases = left_alone(result.completed, ",")
+    return [f"Not mirrored: {_listed(phrases)}."] if phrases else []
+
+
+def _unfilled(result: Reconstruction) -> list[str]:
+    """Say what is missing on both sides, if anything."""
+    unfilled = holes(result.completed)
+    if len(unfilled) == 0:
+        return []
+    widest = f"{width(unfilled[0])} wide, in the file's unit, at {place(unfilled[0])}"
+    if len(unfilled) == 1:
+        return [
+            f"One hole, {widest}, is missing on both sides of the statue, so that no mirror image "
+            "fills it; the surface bridges it smoothly."
+        ]
+    return [
+        f"{len(unfilled)} holes are missing on both sides of the statue, so that no mirror image "
+        f"fills them; the surface bridges them smoothly. The widest is {widest}."
+    ]
 
 
 def _shape(result: Reconstruction, scene: ReportScene) -> str:
@@ -100,7 +137,8 @@ def _shape(result: Reconstruction, scene: ReportScene) -> str:
     closed = "closed (it bounds a solid)" if shape["closed"] else "NOT closed (it has open edges)"
     pieces = "one piece" if shape["components"] == 1 else f"{shape['components']} pieces"
     genus = int(shape["genus"])
-    handles = {-1: "", 0: ", without handles"}.get(genus, f", with {counted(genus, 'handle')}")
+    tunnels = f", with {counted(genus, 'handle')} (tunnels through it)"
+    handles = {-1: "", 0: ", without handles"}.get(genus, tunnels)
     triangles = counted(len(scene.faces), "triangle")
     return f"The surface is {closed}, in {pieces}{handles}, and has {triangles}."
 
