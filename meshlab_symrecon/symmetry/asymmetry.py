@@ -135,10 +135,9 @@ def _seen_offsets(cloud: PreparedCloud, plane: Floats) -> tuple[Points, Points, 
     distances, nearest = cKDTree(cloud.points).query(images)
     turned, theirs = reflect_directions(cloud.normals, plane), cloud.normals[nearest]
     facing = np.einsum("ni,ni->n", turned, theirs)
-    known = cloud.oriented & cloud.oriented[nearest]
-    seen = np.where(known, facing, np.abs(facing)) > LEAST_COSINE
+    seen = cloud.oriented & cloud.oriented[nearest] & (facing > LEAST_COSINE)
     # Two points of one sphere are at one height along the mean of their normals.
-    normals = theirs + turned * np.sign(facing)[:, np.newaxis]
+    normals = theirs + turned
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), TINY)
     heights = np.einsum("ni,ni->n", cloud.points[nearest] - images, normals)
     beside = np.sqrt(np.maximum(distances**2 - heights**2, 0.0))
