@@ -110,6 +110,6 @@ def off_lopsided_plinth(
     near = np.linalg.norm(points[partners] - images, axis=1) < ON_ITSELF * spacing
     on_itself = near & ~above[partners]
     left = signed_distances(images, plane) > 0.0
-    # A hole in one side of a symmetric plinth leaves the images on the other side where they belong.
+    # A hole in one side of a symmetric plinth leaves the images on the other side in place.
     shares = [on_itself[side].mean() for side in (left, ~left) if side.any()]
     return np.ones(len(points), dtype=bool) if max(shares) >= MOSTLY else above
