@@ -45,6 +45,16 @@ PICTURES = (
         ),
     ),
     Picture(
+        "completion.png",
+        ((*PYTHON, "benchmarks/completion_picture.py", "{path}"),),
+        needs=(DATA,),
+    ),
+    Picture(
+        "simplification.png",
+        ((*PYTHON, "benchmarks/simplification_picture.py", "{path}"),),
+        needs=(DATA,),
+    ),
+    Picture(
         "deviation.png",
         ((*PYTHON, "benchmarks/deviation_picture.py", "{path}"),),
         needs=(DATA,),

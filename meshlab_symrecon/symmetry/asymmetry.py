@@ -40,6 +40,7 @@ AGREEING = 13  # places, the one itself among them, whose offsets are compared
 RETURN, RETURN_SLOPE = 2.0, 0.5  # the same of a place and the partner of its partner
 DOUBT = 0.1  # share of an offset by which it may be wrong
 LEAST_NOISE = 0.1  # spacings
+TINY = float(np.finfo(np.float64).tiny)
 BLOCK = 4_096  # places at a time
 
 
@@ -124,7 +125,7 @@ def asymmetry_field(cloud: PreparedCloud, plane: Floats, longest: float) -> Asym
 
 
 def _seen_offsets(cloud: PreparedCloud, plane: Floats) -> tuple[Points, Points, Floats, Booleans]:
-    """Return the mirror images, and the heights of the surface's tangent planes above them.
+    """Return the mirror images, normals there, and the heights of the surface above them.
 
     Along the surface, samples differ by chance, so that only the height counts; beyond the rim of
     a hole there is none. Partners are mutual: an image in a hole may lie near another part of the
@@ -132,12 +133,14 @@ def _seen_offsets(cloud: PreparedCloud, plane: Floats) -> tuple[Points, Points, 
     """
     images = reflect(cloud.points, plane)
     distances, nearest = cKDTree(cloud.points).query(images)
-    normals = cloud.normals[nearest]
+    turned, theirs = reflect_directions(cloud.normals, plane), cloud.normals[nearest]
+    facing = np.einsum("ni,ni->n", turned, theirs)
+    seen = cloud.oriented & cloud.oriented[nearest] & (facing > LEAST_COSINE)
+    # Two points of one sphere are at one height along the mean of their normals.
+    normals = theirs + turned
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), TINY)
     heights = np.einsum("ni,ni->n", cloud.points[nearest] - images, normals)
     beside = np.sqrt(np.maximum(distances**2 - heights**2, 0.0))
-    facing = np.einsum("ni,ni->n", reflect_directions(cloud.normals, plane), normals)
-    known = cloud.oriented & cloud.oriented[nearest]
-    seen = np.where(known, facing, np.abs(facing)) > LEAST_COSINE
     seen &= distances < REACH
     seen &= beside < BESIDE * cloud.spacing + BESIDE_SLOPE * np.abs(heights)
     astray = np.linalg.norm(cloud.points[nearest[nearest]] - cloud.points, axis=1)

@@ -21,7 +21,7 @@ FLAT = 0.15  # thickness / width of a neighbourhood: sparsely measured surface, 
 PLINTH_SPACINGS = 2.0  # above the top of a plinth, where the statue begins
 PROBES = 4_000  # points of a plinth that are mirrored to see whether it has the plane, too
 ON_ITSELF = 2.5  # spacings between the image of a plinth's point and the plinth
-MOSTLY = 0.8  # share of such images
+MOSTLY = 0.9  # share of such images
 
 
 def on_surface(points: Points, distances: Floats, nearest: Indices) -> Booleans:
@@ -109,4 +109,7 @@ def off_lopsided_plinth(
     partners = field.closest(images)
     near = np.linalg.norm(points[partners] - images, axis=1) < ON_ITSELF * spacing
     on_itself = near & ~above[partners]
-    return np.ones(len(points), dtype=bool) if on_itself.mean() >= MOSTLY else above
+    left = signed_distances(images, plane) > 0.0
+    # A hole in one side of a symmetric plinth leaves the images on the other side in place.
+    shares = [on_itself[side].mean() for side in (left, ~left) if side.any()]
+    return np.ones(len(points), dtype=bool) if max(shares) >= MOSTLY else above

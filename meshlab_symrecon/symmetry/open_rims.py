@@ -19,7 +19,7 @@ NORMAL_NEIGHBOURS = 16
 LINK = 4.0  # spacings between neighbours on a rim
 FLAT = 0.5  # spacings: thicker neighbourhoods are limbs seen whole, or sharp edges
 NARROWEST = 0.03  # diagonals: holes below are closed by any reconstruction
-NARROWEST_SPACINGS = 8.0
+NARROWEST_SPACINGS = 6.0
 FEWEST = 12  # points of a rim
 EXTREMES = 24  # points of a rim between which its width is measured
 
@@ -36,7 +36,7 @@ def open_rims(points: Points) -> Floats:
     -------
     (k, 4) float
         Centre of each rim and the width across it, widest first; those below 3 % of the
-        diagonal or 8 spacings are not told from uneven sampling, and left out.
+        diagonal or 6 spacings are not told from uneven sampling, and left out.
     """
     labels, count = thin_by_voxels(points - points.mean(axis=0), LEVEL)
     even = points if count == len(points) else voxel_means(points, labels, count)
