@@ -34,7 +34,6 @@ SHARES = {NORMALS: 0.05, DETECT: 0.4, COMPLETE: 0.05, CLOSE: 0.5}  # of the time
 SCAN, PLANES, COMPLETED, SURFACE = LABELS = (
     "scan", "reflection planes", "completed points", "surface",
 )  # fmt: skip
-SEED = "randomseed"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,10 +49,15 @@ class Reconstruction:
     warnings: tuple[str, ...] = ()
 
 
-def whole_method(scan: Path, seed: int, progress: Callable[[float, str], None]) -> Reconstruction:
-    """Load a scan and run the filters of the documented chain on it."""
+def whole_method(
+    scan: Path, settings: Mapping[str, Any], progress: Callable[[float, str], None]
+) -> Reconstruction:
+    """Load a scan and run the filters of the documented chain on it.
+
+    ``settings`` are parameters; each goes to every filter that has one of its name.
+    """
     with noted() as sentences:
-        result = _run_all(scan, seed, progress)
+        result = _run_all(scan, settings, progress)
     return replace(result, warnings=tuple(sentences))
 
 
@@ -75,7 +79,9 @@ def noted() -> Iterator[list[str]]:
             )
 
 
-def _run_all(scan: Path, seed: int, progress: Callable[[float, str], None]) -> Reconstruction:
+def _run_all(
+    scan: Path, settings: Mapping[str, Any], progress: Callable[[float, str], None]
+) -> Reconstruction:
     from meshlab_symrecon.host.files import load
     from meshlab_symrecon.host.meshset import current_identifier
 
@@ -83,7 +89,7 @@ def _run_all(scan: Path, seed: int, progress: Callable[[float, str], None]) -> R
     mesh_set = load(scan)
     layers = {SCAN: current_identifier(mesh_set)}
     points = mesh_set.current_mesh().vertex_number()
-    run = _runner(mesh_set, seed, progress)
+    run = _runner(mesh_set, settings, progress)
     run(NORMALS, "normals")
     found = run(DETECT, "looking for mirror planes")
     completed: Mapping[str, Any] = {"measured": points, "mirrored": 0}
@@ -97,9 +103,9 @@ def _run_all(scan: Path, seed: int, progress: Callable[[float, str], None]) -> R
 
 
 def _runner(
-    mesh_set: Any, seed: int, progress: Callable[[float, str], None]
+    mesh_set: Any, settings: Mapping[str, Any], progress: Callable[[float, str], None]
 ) -> Callable[[str, str], Mapping[str, Any]]:
-    """Return a function that runs one filter with its defaults and the seed."""
+    """Return a function that runs one filter with its defaults and the settings."""
     from meshlab_symrecon.host.registration import apply_filter
 
     done = 0.0
@@ -112,7 +118,7 @@ def _runner(
             mesh_set,
             name,
             progress=lambda fraction, _: progress(start + share * fraction, title),
-            **_seeded(name, seed),
+            **_set(name, settings),
         )
         done = start + share
         return measures
@@ -120,24 +126,25 @@ def _runner(
     return run
 
 
-def _seeded(name: str, seed: int) -> dict[str, int]:
-    """Return the seed as a parameter of a filter that declares one."""
+def _set(name: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings that a filter has a parameter for."""
     from meshlab_symrecon.host.registration import registry
 
     declared = registry().find(name).parameters.declared() if name in registry() else ()
-    return {SEED: seed} if SEED in (parameter.name for parameter in declared) else {}
+    names = {parameter.name for parameter in declared}
+    return {key: value for key, value in settings.items() if key in names}
 
 
 def _newest(mesh_set: Any) -> int:
     return max(int(mesh.id()) for mesh in mesh_set)
 
 
-def parameters_as_run(seed: int) -> dict[str, Any]:
-    """Return the seed, and every parameter of each of our filters as it ran."""
+def parameters_as_run(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings, and every parameter of each of our filters as it ran."""
     from meshlab_symrecon.host.registration import registry
 
     bound = {
-        name: registry().find(name).bind(_seeded(name, seed)).values()
+        name: registry().find(name).bind(_set(name, settings)).values()
         for name in (DETECT, COMPLETE, CLOSE)
     }
-    return {SEED: seed, **bound}
+    return {**settings, **bound}

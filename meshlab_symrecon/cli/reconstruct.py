@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from itertools import chain
@@ -72,8 +73,12 @@ class Outputs:
     "invented, every parameter and version (needs plotly and matplotlib).",
 )
 @click.option(
-    "--seed", type=click.IntRange(0, SEED_LIMIT), default=0, show_default=True,
+    "--seed", "randomseed", type=click.IntRange(0, SEED_LIMIT), default=0, show_default=True,
     help="Seed of what is random; equal seeds give equal results.",
+)  # fmt: skip
+@click.option(
+    "--paint", is_flag=True,
+    help="Colour the completed points and the surface by what was measured and what was invented.",
 )  # fmt: skip
 def reconstruct(
     scan: Path,
@@ -82,7 +87,7 @@ def reconstruct(
     json_path: Path | None,
     preview: Path | None,
     report: Path | None,
-    seed: int,
+    **settings: Any,
 ) -> None:
     """Complete SCAN from its own mirror symmetry and close it with the Power Crust.
 
@@ -95,14 +100,14 @@ def reconstruct(
     outputs = Outputs(output, project, json_path, preview, report)
     _check_outputs(scan, outputs)
     with progress_bar("reconstructing") as progress:
-        result = whole_method(scan, seed, progress)
+        result = whole_method(scan, settings, progress)
     save_current(result.mesh_set, output)
-    _write_extras(scan, outputs, result, seed)
+    _write_extras(scan, outputs, result, settings)
     seconds = time.perf_counter() - started
     if json_path is not None:
         from meshlab_symrecon.cli.reports import write_json
 
-        write_json(json_path, as_data(scan, outputs, result, seed, seconds))
+        write_json(json_path, as_data(scan, outputs, result, settings, seconds))
     for line in in_words(scan, result):
         click.echo(line)
     click.echo(f"written         {output} in {seconds:.1f} s")
@@ -139,7 +144,9 @@ def _check_outputs(scan: Path, outputs: Outputs) -> None:
                 raise SymReconError(message)
 
 
-def _write_extras(scan: Path, outputs: Outputs, result: Reconstruction, seed: int) -> None:
+def _write_extras(
+    scan: Path, outputs: Outputs, result: Reconstruction, settings: Mapping[str, Any]
+) -> None:
     if outputs.project is not None:
         from meshlab_symrecon.host.projects import save_project
 
@@ -155,10 +162,10 @@ def _write_extras(scan: Path, outputs: Outputs, result: Reconstruction, seed: in
     if outputs.report is not None:
         from meshlab_symrecon.cli.report import write_report
 
-        write_report(outputs.report, scan, result, command_line(scan, outputs, seed))
+        write_report(outputs.report, scan, result, command_line(scan, outputs, settings))
 
 
-def command_line(scan: Path, outputs: Outputs, seed: int) -> str:
+def command_line(scan: Path, outputs: Outputs, settings: Mapping[str, Any]) -> str:
     """Return the command that gives these outputs again."""
     options = {
         "-o": outputs.surface,
@@ -166,10 +173,11 @@ def command_line(scan: Path, outputs: Outputs, seed: int) -> str:
         "--json": outputs.json,
         "--preview": outputs.preview,
         "--report": outputs.report,
-        "--seed": seed,
+        "--seed": settings["randomseed"],
     }
     given = [(name, str(value)) for name, value in options.items() if value is not None]
-    return shlex.join(["symrecon", "reconstruct", str(scan), *chain.from_iterable(given)])
+    flags = ["--paint"] if settings["paint"] else []
+    return shlex.join(["symrecon", "reconstruct", str(scan), *chain.from_iterable(given), *flags])
 
 
 def _draw(scan: Path, result: Reconstruction, path: Path) -> None:
@@ -215,7 +223,11 @@ def in_words(scan: Path, result: Reconstruction) -> list[str]:
 
 
 def as_data(
-    scan: Path, outputs: Outputs, result: Reconstruction, seed: int, seconds: float
+    scan: Path,
+    outputs: Outputs,
+    result: Reconstruction,
+    settings: Mapping[str, Any],
+    seconds: float,
 ) -> dict[str, Any]:
     """Return everything that was found and measured; the planes as in every other report."""
     from importlib.metadata import version
@@ -233,6 +245,6 @@ def as_data(
         "input": str(scan),
         "output": str(outputs.surface),
         "project": None if outputs.project is None else str(outputs.project),
-        "parameters": parameters_as_run(seed),
+        "parameters": parameters_as_run(settings),
         "versions": {"meshlab_symrecon": __version__, "pymeshlab": version("pymeshlab")},
     }

@@ -18,6 +18,7 @@ from meshlab_symrecon.host.files import load
 from meshlab_symrecon.host.meshset import read_layer
 from meshlab_symrecon.host.registration import load_plugins, unload_plugins
 from meshlab_symrecon.pictures import main_job
+from meshlab_symrecon.provenance import colours_by_share
 
 
 def only_layer(path):
@@ -131,6 +132,18 @@ def test_the_same_as_in_python(done, statue, tmp_path):
 def test_equal_seeds_give_equal_bytes(run, done, statue, tmp_path):
     assert run("reconstruct", statue, "-o", tmp_path / "a.ply", "--seed", 3).exit_code == 0
     assert (tmp_path / "a.ply").read_bytes() == (done[0] / "the statue.ply").read_bytes()
+
+
+def test_paint_shows_what_was_invented(run, done, statue, tmp_path):
+    painted = tmp_path / "painted.ply"
+    report = tmp_path / "r.json"
+    assert run("reconstruct", statue, "-o", painted, "--paint", "--json", report).exit_code == 0
+    surface, plain = only_layer(painted), only_layer(done[0] / "the statue.ply")
+    assert np.array_equal(surface.points, plain.points)
+    expected = colours_by_share(surface.quality) / 255.0
+    np.testing.assert_allclose(surface.colours[:, :3], expected, atol=0.51 / 255)
+    assert plain.colours is None
+    assert json.loads(report.read_text())["parameters"]["paint"] is True
 
 
 def test_without_a_plane_it_closes_what_was_measured(shell, lopsided, tmp_path):

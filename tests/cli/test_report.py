@@ -101,7 +101,7 @@ def test_the_numbers_are_those_of_the_json(made):
 
 def test_every_parameter_and_version_is_told(made):
     text = shown(made.page)
-    for name, values in parameters_as_run(3).items():
+    for name, values in parameters_as_run({"randomseed": 3}).items():
         if name == "randomseed":
             continue
         item = registry().find(name)
@@ -174,7 +174,7 @@ def test_without_a_plane_the_page_says_so(run, lopsided, tmp_path):
 
 @pytest.fixture(scope="module")
 def result(scans):
-    return whole_method(scans / "statue 1.ply", 0, lambda fraction, message: None)
+    return whole_method(scans / "statue 1.ply", {"randomseed": 0}, lambda fraction, message: None)
 
 
 def test_doubts_are_warnings(result, statue):

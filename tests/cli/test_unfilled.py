@@ -24,7 +24,7 @@ TWO = np.array([[10.0, 20.0, -30.0, 0.84], [512345.678, 4.0, 5.0, 0.0421]])
 
 @pytest.fixture(scope="module")
 def result(scans):
-    return whole_method(scans / "statue 1.ply", 0, lambda fraction, message: None)
+    return whole_method(scans / "statue 1.ply", {"randomseed": 0}, lambda fraction, message: None)
 
 
 def told(result, scan, **measures):
