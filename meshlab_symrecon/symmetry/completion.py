@@ -22,7 +22,7 @@ from meshlab_symrecon.arrays import (
     as_points,
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
-from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
+from meshlab_symrecon.geometry.bounds import box_diagonal, require_solid, robust_diagonal
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions, signed_distances
 from meshlab_symrecon.geometry.sampling import principal_frame
 from meshlab_symrecon.symmetry.asymmetry import asymmetry_field
@@ -54,8 +54,8 @@ class CompletedPoints:
     quality: Floats | None  # (n + m,)  copied
     mirrored: Booleans  # (n + m,)  False: measured
     source: Indices  # (n + m,)  the measured point that each point is, or is the image of
-    scattered: int  # measured points that lie on no surface, and were not mirrored
-    plinth: int  # measured points of a plinth that is not its own mirror image: not mirrored
+    scattered: int  # measured places that lie on no surface, and were not mirrored
+    plinth: int  # measured places of a plinth that is not its own mirror image: not mirrored
     open_rims: Floats  # (k, 4)  centre and width of holes missing on both sides, widest first
 
 
@@ -150,7 +150,7 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
         quality=None if worth is None else worth[source_of],
         mirrored=np.arange(len(source_of)) >= count,
         source=source_of,
-        scattered=count - kept,
+        scattered=scan.scattered,
         plinth=int(np.count_nonzero(~scan.off_plinth(mirrors[0]))) if len(mirrors) else 0,
         open_rims=open_rims(positions[:: -(-len(positions) // ENOUGH)]),
     )
@@ -166,7 +166,7 @@ def _check_lengths(gap: float, blend: float) -> None:
 
 def _check_planes(points: Points, planes: Floats) -> None:
     """Refuse planes that the cloud lies beside, of which it cannot be one half."""
-    size = robust_diagonal(points)
+    size = robust_diagonal(points) or box_diagonal(points)  # nearly all may coincide
     for number, plane in enumerate(planes):
         heights = signed_distances(points, plane)
         away = max(float(heights.min()), -float(heights.max()))
@@ -195,6 +195,7 @@ class _Scan:
     number: Indices  # (k,)  of each point in the input
     allowed: Booleans  # (k,)  may be mirrored
     around: Surroundings
+    scattered: int  # points left out
 
     @cached_property
     def _even(self) -> slice:
@@ -219,14 +220,22 @@ class _Scan:
 
 
 def _scan(points: Points, normals: Points | None, allowed: Booleans) -> _Scan:
-    """Order a cloud along a space-filling curve, which makes searches fast, without scatter."""
+    """Order a cloud along a space-filling curve, which makes searches fast, without scatter.
+
+    Of points that coincide, the curve passes the first only.
+    """
     centre, axes = principal_frame(points)
     framed = (points - centre) @ axes.T  # so that all that follows turns with the scan
     order = _native.curve_order(framed).astype(np.int64)
     sides = None if normals is None else normals[order]
-    around = surroundings(points[order], sides, robust_diagonal(framed))
+    around = surroundings(points[order], sides, robust_diagonal(framed[order]))
     together = on_surface(around.points, around.distances, around.nearest)
-    return _Scan(order[together], allowed[order[together]], part(around, together))
+    return _Scan(
+        number=order[together],
+        allowed=allowed[order[together]],
+        around=part(around, together),
+        scattered=int(np.count_nonzero(~together)),
+    )
 
 
 def _across(  # what to fill, across what, and how
