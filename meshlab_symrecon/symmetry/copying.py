@@ -21,7 +21,8 @@ FLAT = 0.15  # thickness / width of a neighbourhood: sparsely measured surface, 
 PLINTH_SPACINGS = 2.0  # above the top of a plinth, where the statue begins
 PROBES = 4_000  # points of a plinth that are mirrored to see whether it has the plane, too
 ON_ITSELF = 2.5  # spacings between the image of a plinth's point and the plinth
-MOSTLY = 0.8  # share of such images
+LEAST_ON_ITSELF = 0.5  # share of such images; a hole takes some away, on one side of the plane
+TURNED = 0.02  # share of the others on either side: a plinth turned against the statue has both
 
 
 def on_surface(points: Points, distances: Floats, nearest: Indices) -> Booleans:
@@ -108,5 +109,8 @@ def off_lopsided_plinth(
     images = reflect(points[probes], plane)
     partners = field.closest(images)
     near = np.linalg.norm(points[partners] - images, axis=1) < ON_ITSELF * spacing
-    on_itself = near & ~above[partners]
-    return np.ones(len(points), dtype=bool) if on_itself.mean() >= MOSTLY else above
+    beside = ~near | above[partners]
+    left = signed_distances(points[probes], plane) < 0.0
+    turned = min((beside & left).mean(), (beside & ~left).mean())
+    on_itself = beside.mean() <= 1.0 - LEAST_ON_ITSELF and turned < TURNED
+    return np.ones(len(points), dtype=bool) if on_itself else above
