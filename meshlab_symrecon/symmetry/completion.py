@@ -22,7 +22,7 @@ from meshlab_symrecon.arrays import (
     as_points,
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
-from meshlab_symrecon.geometry.bounds import box_diagonal, require_solid, robust_diagonal
+from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions, signed_distances
 from meshlab_symrecon.geometry.sampling import principal_frame
 from meshlab_symrecon.symmetry.asymmetry import asymmetry_field
@@ -111,7 +111,7 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     ------
     GeometryError
         Arrays of the wrong shape, values that are not finite, fewer than five points or all of
-        them in one plane, or a plane that misses the cloud.
+        them in one plane, or a plane that misses the cloud completed so far.
     ParameterError
         ``gap`` not positive, or ``blend`` negative.
     """
@@ -119,7 +119,6 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     measured = as_points(points)
     require_solid(measured, "mirror completion")
     mirrors = as_planes(np.atleast_2d(np.asarray(planes, dtype=np.float64)))
-    _check_planes(measured, mirrors)
     count = len(measured)
     directions = None if normals is None else as_normals(normals, count)
     paint = None if colours is None else _attribute(colours, count, "colours")
@@ -133,6 +132,7 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     for step, plane in enumerate(mirrors):
         if progress is not None:
             progress(step / len(mirrors), "filling with mirror images")
+        _check_reached(positions, plane, step, scan.around.diagonal)
         around = scan.around if step == 0 else surroundings(positions, turned, scan.around.diagonal)
         images, chosen = _across(scan, around, origin, plane, gap, blend)
         positions = np.concatenate([positions, images])
@@ -164,18 +164,16 @@ def _check_lengths(gap: float, blend: float) -> None:
         raise ParameterError(f"blend must be 0 or a positive length; got {blend!r}; use {BLEND}")
 
 
-def _check_planes(points: Points, planes: Floats) -> None:
-    """Refuse planes that the cloud lies beside, of which it cannot be one half."""
-    size = robust_diagonal(points) or box_diagonal(points)  # nearly all may coincide
-    for number, plane in enumerate(planes):
-        heights = signed_distances(points, plane)
-        away = max(float(heights.min()), -float(heights.max()))
-        if away > MOST_AWAY * size:
-            message = (
-                f"a mirror plane must pass through the scan; got plane {number} at "
-                f"{away / size:.2g} diagonals from it; move it, or detect planes anew"
-            )
-            raise GeometryError(message)
+def _check_reached(points: Points, plane: Floats, number: int, size: float) -> None:
+    """Refuse a plane that the cloud completed so far lies beside: it cannot be one half."""
+    heights = signed_distances(points, plane)
+    away = max(float(heights.min()), -float(heights.max()))
+    if away > MOST_AWAY * size:
+        message = (
+            f"a mirror plane must pass through the scan; got plane {number} at "
+            f"{away / size:.2g} diagonals from it; move it, or detect planes anew"
+        )
+        raise GeometryError(message)
 
 
 def _attribute(values: ArrayLike, count: int, what: str) -> Floats:

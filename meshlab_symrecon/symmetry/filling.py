@@ -54,11 +54,6 @@ class Surroundings:
         within: Floats = np.clip(self.spacing, low * self.usual, high * self.usual)
         return within
 
-    @property
-    def widest(self) -> float:
-        """The widest spacing that is believed."""
-        return SPACING_RANGE[1] * self.usual
-
 
 def surroundings(points: Points, normals: Points | None, diagonal: float) -> Surroundings:
     """Look up the neighbourhood of every point (n, 3), n at least 2, along a space-filling curve.
