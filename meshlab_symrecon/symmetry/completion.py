@@ -20,6 +20,7 @@ from meshlab_symrecon.arrays import (
     as_normals,
     as_planes,
     as_points,
+    as_scalars,
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
 from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
@@ -118,12 +119,12 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     _check_lengths(gap, blend)
     measured = as_points(points)
     require_solid(measured, "mirror completion")
-    mirrors = as_planes(np.atleast_2d(np.asarray(planes, dtype=np.float64)))
+    mirrors = as_planes(np.atleast_2d(np.asarray(planes)))
     count = len(measured)
     directions = None if normals is None else as_normals(normals, count)
     paint = None if colours is None else _attribute(colours, count, "colours")
     worth = None if quality is None else _attribute(quality, count, "quality")
-    allowed = np.ones(count) if source is None else _attribute(source, count, "source")
+    allowed = np.ones(count) if source is None else as_scalars(source, count, "source")
 
     scan = _scan(measured, directions, allowed != 0.0)
     kept = len(scan.number)

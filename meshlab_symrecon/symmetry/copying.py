@@ -14,7 +14,8 @@ from meshlab_symrecon.symmetry.plinth import FACE_WIDTH, plinth_top
 
 __all__ = ["off_lopsided_plinth", "on_surface", "standing_plane"]
 
-ALONE = 3.0  # medians of the distance to the neighbours
+ALONE = 3.0  # times the usual distance to the neighbours
+USUAL = 0.25  # quantile of it; clutter is the sparser part, and may be half
 APART = 2.0  # times the distance that is usual among its neighbours
 FLAT_NEIGHBOURS = 16
 FLAT = 0.15  # thickness / width of a neighbourhood: sparsely measured surface, not scatter
@@ -44,7 +45,7 @@ def on_surface(points: Points, distances: Floats, nearest: Indices) -> Booleans:
     width = distances.mean(axis=1)
     usual = np.median(width[nearest], axis=1)
     apart = width > APART * usual
-    alone = np.flatnonzero((width > ALONE * np.median(width)) & ~apart)
+    alone = np.flatnonzero((width > ALONE * np.quantile(width, USUAL)) & ~apart)
     if len(alone):
         thickness = principal_normals(points, points[alone], FLAT_NEIGHBOURS)[1]
         apart[alone] = thickness > FLAT * width[alone]

@@ -185,7 +185,9 @@ def test_a_plane_that_misses_the_scan(run, sheet, statue, tmp_path):
 def test_planes_that_are_not_flat(run, statue, tmp_path):
     dome = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0.0]])
     path = write(tmp_path / f"{PLANES_LABEL}.ply", dome, np.array([[0, 1, 2], [0, 2, 3]]))
-    assert "piece 0 of the planes layer must be a flat patch" in refused(run, tmp_path, path, statue)
+    assert "piece 0 of the planes layer must be a flat patch" in refused(
+        run, tmp_path, path, statue
+    )
 
 
 def test_a_planes_layer_without_faces(run, statue, tmp_path):

@@ -133,7 +133,7 @@ def test_only_a_plinth_that_is_its_own_mirror_image_is_copied(shapes, yaw, copie
 
 
 def test_a_cloud_above_its_standing_plane_is_copied_whole():
-    scan = sheet(500, np.random.default_rng(0)) + [0.0, 0.0, 1.0]
+    scan = sheet(500, np.random.default_rng(0)) + np.array([0.0, 0.0, 1.0])
     field = nearest_field(scan, 0.02, 0.5, 10**6)
     standing = np.array([0.0, 0.0, 1.0, 0.0])
     assert off_lopsided_plinth(scan, field, 0.02, standing, PLANE).all()
@@ -164,3 +164,14 @@ def test_a_plinth_beside_the_plane_is_not_copied(shapes):
     field = nearest_field(scan, 0.02, 0.5, 10**6)
     beside = np.array([1.0, 0.0, 0.0, -0.9])
     assert not off_lopsided_plinth(scan, field, 0.05, standing, beside)[len(statue) :].any()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_clutter_that_is_half_of_the_scan_goes_for_the_most_part(seed):
+    rng = np.random.default_rng(seed)
+    surface = sheet(8_000, rng)
+    loose = rng.uniform([0, 0, -0.5], [1, 1, 0.5], (8_000, 3))
+    loose = loose[np.abs(loose[:, 2]) > 0.1]
+    kept = together(np.vstack([surface, loose]))
+    assert kept[:8_000].mean() > 0.99
+    assert kept[8_000:].mean() < 0.25

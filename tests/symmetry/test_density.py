@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
-from symmetry.bodies import even_sphere
 from scipy.spatial import cKDTree
+from symmetry.bodies import even_sphere
 
 from meshlab_symrecon.symmetry.completion import mirror_complete
 from meshlab_symrecon.symmetry.density import as_dense_as_around

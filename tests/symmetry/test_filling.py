@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
@@ -106,7 +108,7 @@ def test_a_whole_body_gets_nothing(sphere):
 def test_a_wider_gap_fills_no_more(sphere):
     scan = hollow(sphere, 0.5)
     chosen = [filled(scan, gap=gap)[2] for gap in (0.5, 1.0, 2.0, 4.0, 100.0)]
-    for more, fewer in zip(chosen, chosen[1:], strict=False):
+    for more, fewer in pairwise(chosen):
         assert (more | ~fewer).all()
         assert more.sum() > fewer.sum() or not more.any()
     assert not chosen[-1].any()
