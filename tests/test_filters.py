@@ -98,17 +98,17 @@ def test_without_planes_the_completion_says_what_to_do():
 def test_only_the_selected_points_are_mirrored_and_the_others_still_count_as_measured():
     low = HALF[:, 2] < 0.0
     layers = document(scan(HALF, selected=low), planes_layer(X, 1))
-    chosen, everything = completed(layers, onlyselected=True), completed(layers)
+    chosen, everything = (completed(layers, onlyselected=only, blend=0.0) for only in (True, False))
     assert (chosen.points[len(HALF) :, 2] < 0.0).all()
     added = everything.points[len(HALF) :]
     np.testing.assert_array_equal(chosen.points[len(HALF) :], added[added[:, 2] < 0.0])
     hole = SPHERE[np.linalg.norm(SPHERE - [0.8, 0.6, 0.0], axis=1) > 0.4]
     selected = np.linalg.norm(hole - [-0.8, 0.6, 0.0], axis=1) < 0.5
     layers = document(scan(hole, selected=selected), planes_layer(X, 1))
-    made = completed(layers, onlyselected=True)
-    np.testing.assert_array_equal(made.points, completed(layers).points)
+    made = completed(layers, onlyselected=True, blend=0.0)
+    np.testing.assert_array_equal(made.points, completed(layers, blend=0.0).points)
     none = document(scan(hole, selected=np.zeros(len(hole), dtype=bool)), planes_layer(X, 1))
-    assert len(completed(none, onlyselected=True).points) == len(hole)
+    assert len(completed(none, onlyselected=True, blend=0.0).points) == len(hole)
 
 
 def test_without_a_selection_only_selected_says_what_to_do():

@@ -58,13 +58,14 @@ def test_measured_points_come_back_bit_for_bit(run, statue, sheet, tmp_path, kin
     moved = write_floats(tmp_path / "scan.ply", points, kind)
     given = read(moved).points
     assert np.array_equal(given, points.astype(np.float64))
-    result = run("apply", COMPLETE, sheet(), moved, "-o", tmp_path / "out.ply")
+    result = run("apply", COMPLETE, sheet(), moved, "-o", tmp_path / "out.ply", "--blend", "0")
     assert result.exit_code == 0, result.stderr
     made = read(tmp_path / "out.ply")
     assert np.array_equal(made.points[: len(points)], given)
     assert len(made.points) > len(points) + 100
     assert np.array_equal(made.quality, np.arange(len(made.points)) >= len(points))
-    result = run("apply", COMPLETE, sheet(), tmp_path / "out.ply", "-o", tmp_path / "again.ply")
+    result = run("apply", COMPLETE, sheet(), tmp_path / "out.ply", "-o", tmp_path / "again.ply",
+                 "--blend", "0")  # fmt: skip
     assert result.exit_code == 0, result.stderr
     again = read(tmp_path / "again.ply")
     assert np.array_equal(again.points[: len(made.points)], made.points)
@@ -93,7 +94,7 @@ def test_custom_scalars_of_a_document_are_carried(statue, plane):
     corners, faces = planes_as_quads(plane[np.newaxis], points)
     add_layer(mesh_set, Layer(corners, faces, PLANES_LABEL), current=False)
     with pytest.warns(SymReconWarning, match="the scan has no normals"):
-        apply_filter(mesh_set, COMPLETE)
+        apply_filter(mesh_set, COMPLETE, blend=0.0)
     made = read_layer(mesh_set, mesh_set.current_mesh_id())
     count = len(points)
     assert set(made.attributes) == {"depth", "scan_quality", "mirrored"}
@@ -212,7 +213,7 @@ def test_copies_of_points_change_nothing(run, sheet, statue, tmp_path, copies):
     counts = []
     for times in (1, copies):
         scan = write_floats(tmp_path / "scan.ply", np.repeat(points, times, axis=0), np.float64)
-        result = run("apply", COMPLETE, sheet(), scan, "-o", tmp_path / "out.ply")
+        result = run("apply", COMPLETE, sheet(), scan, "-o", tmp_path / "out.ply", "--blend", "0")
         assert result.exit_code == 0, result.stderr
         made = read(tmp_path / "out.ply")
         counts.append(made.points[times * len(points) :])

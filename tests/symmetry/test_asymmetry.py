@@ -10,7 +10,7 @@ from meshlab_symrecon.symmetry.asymmetry import asymmetry_field
 from meshlab_symrecon.symmetry.preparation import prepare
 
 PLANE = np.array([1.0, 0.0, 0.0, 0.0])
-SEEDS = range(3)
+SEEDS = range(2)
 LONGEST = 0.25
 
 
@@ -35,7 +35,7 @@ class Body:
 
     def __init__(self, shapes, seed, moved=still, noise=0.0, clutter=0.0):
         rng = np.random.default_rng(seed)
-        body = shapes.blob(5_000, seed, mirrored=True)
+        body = shapes.blob(4_000, seed, mirrored=True)
         self.diagonal = np.linalg.norm(np.ptp(body, axis=0))
         right = body[:, 0] > 0.0
         middle = body[np.argmax(body @ [1.0, 0.3, 0.0])]
@@ -61,9 +61,8 @@ def size(vectors):
     return np.sqrt((vectors**2).sum(axis=1).mean())
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_an_exact_mirror_image_has_no_offset(shapes, seed):
-    half = shapes.blob(5_000, seed, mirrored=True)
+def test_an_exact_mirror_image_has_no_offset(shapes):
+    half = shapes.blob(3_000, 1, mirrored=True)
     half = half[half[:, 0] < 0.0]
     cloud = prepare(np.vstack([half, reflect(half, PLANE)]), None, 16)
     offsets = asymmetry_field(cloud, PLANE, LONGEST).offsets(half)
@@ -85,7 +84,7 @@ def test_offsets_in_a_hole_follow_the_other_side(shapes, seed, moved):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("noise", [0.001, 0.003])
+@pytest.mark.parametrize("noise", [0.003])
 def test_noise_carries_no_more_than_half_of_what_a_point_has(shapes, seed, noise):
     body = Body(shapes, seed, noise=noise)
     assert size(body.offsets()) < 0.5 * noise * body.diagonal
@@ -97,7 +96,7 @@ def test_clutter_does_not_disturb(shapes, seed):
     assert body.off(body.offsets()) < 0.15 * size(body.true)
 
 
-@pytest.mark.parametrize("scale", [1e-4, 1.0, 1e5])
+@pytest.mark.parametrize("scale", [1e-4, 1e5])
 def test_offsets_follow_motion_and_scale(shapes, scale):
     body = Body(shapes, 4, turn)
     at_rest = body.offsets()
@@ -115,7 +114,7 @@ def test_offsets_follow_motion_and_scale(shapes, scale):
 
 
 def test_nothing_is_said_where_one_side_was_not_measured(shapes):
-    body = shapes.blob(5_000, 1, mirrored=True)
+    body = shapes.blob(3_000, 1, mirrored=True)
     for scan in (body[body[:, 0] < -0.1], body[body[:, 0] < 0.02]):
         assert asymmetry_field(prepare(scan, None, 16), PLANE, LONGEST) is None
 

@@ -177,10 +177,10 @@ def test_one_plane_after_the_other_must_reach_the_cloud_completed_so_far():
 
 
 def test_points_that_coincide_count_once(scan):
-    found = mirror_complete(scan, PLANE)
+    found = mirror_complete(scan, PLANE, blend=0.0)
     rng = np.random.default_rng(0)
     copies = rng.permutation(np.repeat(np.arange(len(scan)), rng.integers(1, 20, len(scan))))
-    again = mirror_complete(scan[copies], PLANE)
+    again = mirror_complete(scan[copies], PLANE, blend=0.0)
     assert again.scattered == found.scattered == 0
     assert again.mirrored.sum() == pytest.approx(found.mirrored.sum(), rel=0.02)
     apart = cKDTree(found.points[found.mirrored]).query(again.points[again.mirrored])[0]
@@ -197,7 +197,7 @@ def test_nearly_all_points_may_coincide():
 
 def test_scatter_is_counted(scan):
     far = np.array([[-3.0, 0.0, 0.0], [-3.0, 2.0, 1.0], [-3.0, 2.0, 1.0]])
-    assert mirror_complete(np.vstack([scan, far]), PLANE).scattered == 2
+    assert mirror_complete(np.vstack([scan, far]), PLANE, blend=0.0).scattered == 2
 
 
 @pytest.mark.parametrize("blend", [0.0, 0.25])
@@ -219,14 +219,14 @@ def test_completion_follows_motion_and_order(statue, blend):
 
 def test_far_from_the_origin_the_same_is_filled(scan):
     place = np.array([1e6, -2e6, 3e6])
-    found = mirror_complete(scan, PLANE)
-    far = mirror_complete(scan + place, [1.0, 0.0, 0.0, -place[0]])
+    found = mirror_complete(scan, PLANE, blend=0.0)
+    far = mirror_complete(scan + place, [1.0, 0.0, 0.0, -place[0]], blend=0.0)
     assert np.array_equal(np.sort(far.source), np.sort(found.source))
 
 
 def test_attributes_may_hold_what_is_no_number(scan):
     colours, quality = np.full((len(scan), 4), np.nan), np.full(len(scan), np.nan)
-    found = mirror_complete(scan, PLANE, colours=colours, quality=quality)
+    found = mirror_complete(scan, PLANE, colours=colours, quality=quality, blend=0.0)
     assert np.isfinite(found.points).all()
     assert np.isnan(found.colours).all()
     assert np.isnan(found.quality).all()
@@ -234,7 +234,7 @@ def test_attributes_may_hold_what_is_no_number(scan):
 
 def test_only_allowed_points_are_mirrored(scan):
     allowed = scan[:, 1] > 0.0
-    found = mirror_complete(scan, PLANE, source=allowed)
+    found = mirror_complete(scan, PLANE, source=allowed, blend=0.0)
     assert found.mirrored.any()
     assert allowed[found.source[found.mirrored]].all()
     assert not mirror_complete(scan, PLANE, source=np.zeros(len(scan))).mirrored.any()
@@ -285,8 +285,8 @@ def test_any_small_cloud_is_completed_or_refused(kind):
 
 @pytest.mark.parametrize("size", [1e-200, 1e200])
 def test_the_length_of_normals_does_not_matter(scan, size):
-    found = mirror_complete(scan, PLANE, scan)
-    again = mirror_complete(scan, PLANE, size * scan)
+    found = mirror_complete(scan, PLANE, scan, blend=0.0)
+    again = mirror_complete(scan, PLANE, size * scan, blend=0.0)
     assert np.array_equal(again.source, found.source)
     np.testing.assert_allclose(again.normals / size, found.normals, atol=1e-12)
 

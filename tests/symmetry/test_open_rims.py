@@ -80,9 +80,9 @@ def test_a_hole_on_one_side_is_closed_and_one_on_both_sides_is_told():
     one, other = np.array([0.6, 0.0, 0.8]), np.array([0.6, -0.8, 0.0])
     scan = without_cap(sphere(8_000), one, 0.5)
     assert len(open_rims(scan)) == 1
-    assert mirror_complete(scan, PLANE).open_rims.shape == (0, 4)
+    assert mirror_complete(scan, PLANE, blend=0.0).open_rims.shape == (0, 4)
     both = without_cap(without_cap(scan, other, 0.4), other * [-1.0, 1.0, 1.0], 0.4)
-    rims = mirror_complete(both, PLANE).open_rims
+    rims = mirror_complete(both, PLANE, blend=0.0).open_rims
     assert len(rims) == 2
     left, right = rims[np.argsort(rims[:, 0])]
     assert_rim(right, other, 0.4)
@@ -91,5 +91,5 @@ def test_a_hole_on_one_side_is_closed_and_one_on_both_sides_is_told():
 
 def test_a_hole_across_the_plane_stays_open():
     scan = without_cap(sphere(8_000), UP, 0.5)
-    (rim,) = mirror_complete(scan, PLANE).open_rims
+    (rim,) = mirror_complete(scan, PLANE, blend=0.0).open_rims
     assert_rim(rim, UP, 0.5)
