@@ -144,8 +144,9 @@ def _selected(source: Layer) -> Booleans:
 def _scalars(source: Layer) -> dict[str, Floats]:
     """Return the scan's custom scalars, and its quality unless that is provenance."""
     scalars = {name: np.asarray(values) for name, values in source.attributes.items()}
-    if source.quality is not None and _earlier_share(source) is None:
-        scalars.setdefault(SCAN_QUALITY, source.quality)
+    quality, earlier = source.quality, _earlier_share(source)
+    if quality is not None and (earlier is None or not np.array_equal(quality, earlier)):
+        scalars.setdefault(SCAN_QUALITY, quality)
     return scalars
 
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 import shapes
+from scipy.spatial import cKDTree
 
+from meshlab_symrecon import provenance
 from meshlab_symrecon.errors import GeometryError, ParameterError
 from meshlab_symrecon.filters import mirror_completed_points, power_crust
 from meshlab_symrecon.geometry.plane_quads import PLANES_LABEL, planes_as_quads
@@ -89,6 +93,141 @@ def test_without_planes_the_completion_says_what_to_do():
     bare = Layer(SPHERE[:4], NO_FACES, label=PLANES_LABEL, identifier=1)
     with pytest.raises(GeometryError, match="has no faces; detect planes first"):
         completed(document(scan(HALF), bare))
+
+
+def test_only_the_selected_points_are_mirrored_and_the_others_still_count_as_measured():
+    low = HALF[:, 2] < 0.0
+    layers = document(scan(HALF, selected=low), planes_layer(X, 1))
+    chosen, everything = (completed(layers, onlyselected=only, blend=0.0) for only in (True, False))
+    assert (chosen.points[len(HALF) :, 2] < 0.0).all()
+    added = everything.points[len(HALF) :]
+    np.testing.assert_array_equal(chosen.points[len(HALF) :], added[added[:, 2] < 0.0])
+    hole = SPHERE[np.linalg.norm(SPHERE - [0.8, 0.6, 0.0], axis=1) > 0.4]
+    selected = np.linalg.norm(hole - [-0.8, 0.6, 0.0], axis=1) < 0.5
+    layers = document(scan(hole, selected=selected), planes_layer(X, 1))
+    made = completed(layers, onlyselected=True, blend=0.0)
+    np.testing.assert_array_equal(made.points, completed(layers, blend=0.0).points)
+    none = document(scan(hole, selected=np.zeros(len(hole), dtype=bool)), planes_layer(X, 1))
+    assert len(completed(none, onlyselected=True, blend=0.0).points) == len(hole)
+
+
+def test_without_a_selection_only_selected_says_what_to_do():
+    layers = document(scan(HALF), planes_layer(X, 1))
+    with pytest.raises(GeometryError) as caught:
+        completed(layers, onlyselected=True)
+    assert str(caught.value) == (
+        "with onlyselected, points of layer 'scan' must be selected; got none; "
+        "select what may be mirrored"
+    )
+
+
+def test_one_plane_of_several_can_be_chosen_by_its_number():
+    layers = document(scan(QUARTER), planes_layer(np.stack([X, Y]), 1))
+    for number, plane in enumerate([X, Y]):
+        alone = document(scan(QUARTER), planes_layer(plane, 1))
+        chosen = completed(layers, plane=number, maxplanes=1)
+        np.testing.assert_array_equal(chosen.points, completed(alone).points)
+    with pytest.raises(ParameterError) as caught:
+        completed(layers, plane=2)
+    assert str(caught.value) == (
+        "plane must be the number of a plane of layer 'reflection planes', 0 to 1; got 2; "
+        "use -1 for all"
+    )
+
+
+def test_planes_compose_round_the_whole_group_of_a_star():
+    """A sixth of a star, doubled, doubled and doubled: planes at 60, 120 and 0 degrees."""
+
+    def radius(points):
+        turn = np.arctan2(points[:, 1], points[:, 0])
+        return 1.0 + 0.2 * np.cos(6.0 * turn) * (1.0 - points[:, 2] ** 2)
+
+    star, turn = SPHERE * radius(SPHERE)[:, None], np.arctan2(SPHERE[:, 1], SPHERE[:, 0])
+    angles = np.radians([60.0, 120.0, 0.0])
+    normals = np.stack([-np.sin(angles), np.cos(angles), 0 * angles, 0 * angles], axis=1)
+    sixth = star[(turn > 0.0) & (turn < np.pi / 3.0)]
+    layers = document(scan(sixth), planes_layer(normals, 1))
+    counts = [len(completed(layers, maxplanes=count, blend=0.0).points) for count in (1, 2, 3)]
+    assert np.all(np.diff(counts, prepend=len(sixth)) > 0)
+    whole = completed(layers, blend=0.0).points
+    assert cKDTree(whole).query(star)[0].max() < 0.2
+    lengths = np.linalg.norm(whole, axis=1)
+    np.testing.assert_allclose(lengths, radius(whole / lengths[:, None]), atol=1e-9)
+
+
+def test_paint_shows_what_was_invented_instead_of_the_colours_of_the_scan():
+    colours = np.tile([0.2, 0.4, 0.6, 1.0], (len(HALF), 1))
+    layers = document(scan(HALF, colours=colours), planes_layer(X, 1))
+    painted, plain = completed(layers, paint=True), completed(layers)
+    expected = np.where(painted.quality[:, None] == 0.0, provenance.MEASURED, provenance.INVENTED)
+    np.testing.assert_array_equal(painted.colours[:, :3], expected / 255.0)
+    assert (painted.colours[:, 3] == 1.0).all()
+    np.testing.assert_array_equal(plain.colours, np.tile(colours[0], (len(plain.points), 1)))
+    bare = completed(document(scan(HALF), planes_layer(X, 1)), paint=True)
+    np.testing.assert_array_equal(bare.colours, painted.colours)
+
+
+def test_the_crust_can_be_painted_by_its_share_invented():
+    share = (SPHERE[:, 0] > 0.0).astype(float)
+    layers = document(scan(SPHERE, quality=share))
+    surface = power_crust.FILTER.apply(layers, {"paint": True}).layers[0]
+    np.testing.assert_array_equal(surface.colours, provenance.paint_by_share(surface.quality))
+    clear = np.abs(surface.points[:, 0]) > 0.2
+    right = surface.points[clear, :1] > 0.0
+    expected = np.where(right, provenance.INVENTED, provenance.MEASURED) / 255.0
+    np.testing.assert_array_equal(surface.colours[clear, :3], expected)
+
+
+def test_custom_scalars_follow_their_points_and_keep_their_names():
+    height, number = HALF[:, 2].copy(), np.arange(float(len(HALF)))
+    source = scan(HALF, quality=1.0 + HALF[:, 1], attributes={"height": height, "number": number})
+    made = completed(document(source, planes_layer(X, 1)), blend=0.0)
+    assert set(made.attributes) == {"height", "number", "scan_quality", "mirrored"}
+    of = made.attributes["number"].astype(int)
+    np.testing.assert_array_equal(of[: len(HALF)], np.arange(len(HALF)))
+    np.testing.assert_array_equal(made.points[len(HALF) :], reflect(HALF[of[len(HALF) :]], X))
+    np.testing.assert_array_equal(made.attributes["height"], height[of])
+    np.testing.assert_array_equal(made.attributes["scan_quality"], 1.0 + HALF[of, 1])
+
+
+@pytest.mark.parametrize("plane", [[0.6, 0.0, 0.8, 0.0], [0.48, 0.6, 0.64, 0.0]])
+def test_outward_normals_stay_outward_where_triangles_are_turned_round(plane):
+    """The determinant of a reflection is -1: a triangle's corners turn round, its normal not."""
+    plane = np.array(plane)
+    half = SPHERE[SPHERE @ plane[:3] < 0.0]
+    made = completed(document(scan(half, normals=half), planes_layer(plane, 1)), blend=0.0)
+    np.testing.assert_allclose(made.normals, made.points, atol=1e-9)
+    a, b, c = half[:3]
+    if np.cross(b - a, c - a) @ a < 0.0:
+        b, c = c, b
+    a, b, c = reflect(np.stack([a, b, c]), plane)
+    assert np.cross(b - a, c - a) @ a < 0.0
+
+
+def test_a_scan_without_normals_is_told_of():
+    layers = document(scan(HALF), planes_layer(X, 1))
+    outcome = mirror_completed_points.FILTER.apply(layers, {})
+    assert outcome.warnings == (mirror_completed_points.NO_NORMALS,)
+    layers = document(scan(HALF, normals=HALF), planes_layer(X, 1))
+    assert mirror_completed_points.FILTER.apply(layers, {}).warnings == ()
+
+
+def test_what_is_open_on_both_sides_is_measured():
+    sphere = shapes.fibonacci_sphere(4000)
+    above = sphere[sphere[:, 2] < np.cos(0.6)]
+    hole = np.linalg.norm(above - [0.8, 0.0, -0.6], axis=1) < 0.3
+    layers = document(scan(above[~hole]), planes_layer(X, 1))
+    measures = mirror_completed_points.FILTER.apply(layers, {}).measures
+    (rim,) = measures["open_rims"]
+    np.testing.assert_allclose(rim, [0, 0, np.cos(0.6), 2 * np.sin(0.6)], atol=0.12)
+    assert measures["mirrored"] == pytest.approx(hole.sum(), rel=0.3)
+    assert (measures["scattered"], measures["plinth"]) == (0, 0)
+
+
+def test_the_planes_themselves_are_no_scan():
+    sheet = dataclasses.replace(planes_layer(X, 0), label="reflection planes")
+    with pytest.raises(GeometryError, match="got the planes layer 'reflection planes' itself"):
+        completed(document(sheet))
 
 
 def test_the_crust_takes_colours_and_quality_from_the_nearest_samples():

@@ -10,12 +10,15 @@ from meshlab_symrecon._native import NearestField
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
 
 __all__ = [
+    "FREE_ANGLE",
     "NearestField",
     "border_points",
+    "free_angles",
     "local_spacing",
     "nearest_field",
     "principal_normals",
     "tangent_bases",
+    "voted_border",
     "without_outliers",
 ]
 
@@ -123,6 +126,36 @@ def tangent_bases(normals: Points) -> tuple[Floats, Floats]:
     return first, np.asarray(np.cross(normals, first), dtype=np.float64)
 
 
+def free_angles(points: Points, normals: Points, neighbours: int = 24) -> tuple[Floats, Indices]:
+    """Return the widest angle without neighbours round each point, seen in its tangent plane.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        The cloud.
+    normals : (n, 3) float
+        Unit normals of either sign.
+    neighbours : int
+        Neighbours looked at.
+
+    Returns
+    -------
+    angles : (n,) float
+        Radians; 0 for a lone point.
+    nearest : (n, k) int
+        The point itself, or one that coincides with it, and its neighbours, nearest first.
+    """
+    count = min(neighbours + 1, len(points))
+    members = cKDTree(points).query(points, k=count)[1].reshape(len(points), count)
+    offsets = points[members[:, 1:]] - points[:, np.newaxis]
+    first, second = tangent_bases(normals)
+    along = np.einsum("nki,ni->nk", offsets, first)
+    across = np.einsum("nki,ni->nk", offsets, second)
+    angles = np.sort(np.arctan2(across, along), axis=1)
+    gaps = np.diff(angles, axis=1, append=angles[:, :1] + 2.0 * np.pi)
+    return gaps.max(axis=1, initial=0.0), members
+
+
 def border_points(points: Points, normals: Points, neighbours: int = 24) -> Booleans:
     """Find the points on the border of an open surface, such as the rim of a hole.
 
@@ -143,16 +176,23 @@ def border_points(points: Points, normals: Points, neighbours: int = 24) -> Bool
     (n,) bool
         True on the border.
     """
-    nearest = min(neighbours + 1, len(points))
-    members = cKDTree(points).query(points, k=nearest)[1].reshape(len(points), nearest)
-    offsets = points[members[:, 1:]] - points[:, np.newaxis]
-    first, second = tangent_bases(normals)
-    along = np.einsum("nki,ni->nk", offsets, first)
-    across = np.einsum("nki,ni->nk", offsets, second)
-    angles = np.sort(np.arctan2(across, along), axis=1)
-    gaps = np.diff(angles, axis=1, append=angles[:, :1] + 2.0 * np.pi)
-    open_points = gaps.max(axis=1, initial=0.0) > FREE_ANGLE
-    votes = open_points[members[:, :VOTERS]].sum(axis=1)
+    return voted_border(*free_angles(points, normals, neighbours))
+
+
+def voted_border(angles: Floats, nearest: Indices) -> Booleans:
+    """Tell which points are on a border by their free angles and those of their neighbours.
+
+    Parameters
+    ----------
+    angles, nearest : (n,) float, (n, k) int
+        As ``free_angles`` returns them.
+
+    Returns
+    -------
+    (n,) bool
+        True on the border.
+    """
+    votes = (angles > FREE_ANGLE)[nearest[:, :VOTERS]].sum(axis=1)
     border: Booleans = votes >= ENOUGH_VOTES
     return border
 

@@ -29,6 +29,7 @@ LEAST_COSINE = 0.7  # between the normals of an image and of the surface it belo
 BESIDE = 1.5  # spacings along the surface between an image and its partner
 BESIDE_SLOPE = 0.3  # and this share of the height between them
 LENGTHS = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)  # correlation lengths that are mixed
+SHORTEST = 1e-6  # of them: nothing is carried as far as that
 LAGS = np.append(0.0, np.geomspace(0.01, 1.0, 24))  # bounds of the classes of distance
 NEAR_PAIRS, FAR_PAIRS = 16, 40  # partners of a place in the estimate of the correlation
 FEWEST_PAIRS = 50  # in a class of distance
@@ -101,7 +102,9 @@ def asymmetry_field(cloud: PreparedCloud, plane: Floats, longest: float) -> Asym
     both = np.flatnonzero(seen)
     if len(both) < FEWEST_PLACES:
         return None
-    lengths = np.array([length for length in LENGTHS if length <= longest] or [longest])
+    lengths = np.array(
+        [length for length in LENGTHS if length <= longest] or [max(longest, SHORTEST)]
+    )
     images, normals, heights = images[both], normals[both], heights[both]
     variances, noise = _correlation(images, normals, heights, lengths)
     noise = max(noise, (LEAST_NOISE * cloud.spacing) ** 2, (0.5 * cloud.roughness) ** 2)

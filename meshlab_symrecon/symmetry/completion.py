@@ -20,6 +20,7 @@ from meshlab_symrecon.arrays import (
     as_normals,
     as_planes,
     as_points,
+    as_scalars,
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
 from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
@@ -54,8 +55,8 @@ class CompletedPoints:
     quality: Floats | None  # (n + m,)  copied
     mirrored: Booleans  # (n + m,)  False: measured
     source: Indices  # (n + m,)  the measured point that each point is, or is the image of
-    scattered: int  # measured points that lie on no surface, and were not mirrored
-    plinth: int  # measured points of a plinth that is not its own mirror image: not mirrored
+    scattered: int  # measured places that lie on no surface, and were not mirrored
+    plinth: int  # measured places of a plinth that is not its own mirror image: not mirrored
     open_rims: Floats  # (k, 4)  centre and width of holes missing on both sides, widest first
 
 
@@ -111,20 +112,19 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     ------
     GeometryError
         Arrays of the wrong shape, values that are not finite, fewer than five points or all of
-        them in one plane, or a plane that misses the cloud.
+        them in one plane, or a plane that misses the cloud completed so far.
     ParameterError
         ``gap`` not positive, or ``blend`` negative.
     """
     _check_lengths(gap, blend)
     measured = as_points(points)
     require_solid(measured, "mirror completion")
-    mirrors = as_planes(np.atleast_2d(np.asarray(planes, dtype=np.float64)))
-    _check_planes(measured, mirrors)
+    mirrors = as_planes(np.atleast_2d(np.asarray(planes)))
     count = len(measured)
     directions = None if normals is None else as_normals(normals, count)
     paint = None if colours is None else _attribute(colours, count, "colours")
     worth = None if quality is None else _attribute(quality, count, "quality")
-    allowed = np.ones(count) if source is None else _attribute(source, count, "source")
+    allowed = np.ones(count) if source is None else as_scalars(source, count, "source")
 
     scan = _scan(measured, directions, allowed != 0.0)
     kept = len(scan.number)
@@ -133,6 +133,7 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     for step, plane in enumerate(mirrors):
         if progress is not None:
             progress(step / len(mirrors), "filling with mirror images")
+        _check_reached(positions, plane, step, scan.around.diagonal)
         around = scan.around if step == 0 else surroundings(positions, turned, scan.around.diagonal)
         images, chosen = _across(scan, around, origin, plane, gap, blend)
         positions = np.concatenate([positions, images])
@@ -150,7 +151,7 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
         quality=None if worth is None else worth[source_of],
         mirrored=np.arange(len(source_of)) >= count,
         source=source_of,
-        scattered=count - kept,
+        scattered=scan.scattered,
         plinth=int(np.count_nonzero(~scan.off_plinth(mirrors[0]))) if len(mirrors) else 0,
         open_rims=open_rims(positions[:: -(-len(positions) // ENOUGH)]),
     )
@@ -164,18 +165,16 @@ def _check_lengths(gap: float, blend: float) -> None:
         raise ParameterError(f"blend must be 0 or a positive length; got {blend!r}; use {BLEND}")
 
 
-def _check_planes(points: Points, planes: Floats) -> None:
-    """Refuse planes that the cloud lies beside, of which it cannot be one half."""
-    size = robust_diagonal(points)
-    for number, plane in enumerate(planes):
-        heights = signed_distances(points, plane)
-        away = max(float(heights.min()), -float(heights.max()))
-        if away > MOST_AWAY * size:
-            message = (
-                f"a mirror plane must pass through the scan; got plane {number} at "
-                f"{away / size:.2g} diagonals from it; move it, or detect planes anew"
-            )
-            raise GeometryError(message)
+def _check_reached(points: Points, plane: Floats, number: int, size: float) -> None:
+    """Refuse a plane that the cloud completed so far lies beside: it cannot be one half."""
+    heights = signed_distances(points, plane)
+    away = max(float(heights.min()), -float(heights.max()))
+    if away > MOST_AWAY * size:
+        message = (
+            f"a mirror plane must pass through the scan; got plane {number} at "
+            f"{away / size:.2g} diagonals from it; move it, or detect planes anew"
+        )
+        raise GeometryError(message)
 
 
 def _attribute(values: ArrayLike, count: int, what: str) -> Floats:
@@ -195,6 +194,7 @@ class _Scan:
     number: Indices  # (k,)  of each point in the input
     allowed: Booleans  # (k,)  may be mirrored
     around: Surroundings
+    scattered: int  # points left out
 
     @cached_property
     def _even(self) -> slice:
@@ -219,14 +219,22 @@ class _Scan:
 
 
 def _scan(points: Points, normals: Points | None, allowed: Booleans) -> _Scan:
-    """Order a cloud along a space-filling curve, which makes searches fast, without scatter."""
+    """Order a cloud along a space-filling curve, which makes searches fast, without scatter.
+
+    Of points that coincide, the curve passes the first only.
+    """
     centre, axes = principal_frame(points)
     framed = (points - centre) @ axes.T  # so that all that follows turns with the scan
     order = _native.curve_order(framed).astype(np.int64)
     sides = None if normals is None else normals[order]
-    around = surroundings(points[order], sides, robust_diagonal(framed))
+    around = surroundings(points[order], sides, robust_diagonal(framed[order]))
     together = on_surface(around.points, around.distances, around.nearest)
-    return _Scan(order[together], allowed[order[together]], part(around, together))
+    return _Scan(
+        number=order[together],
+        allowed=allowed[order[together]],
+        around=part(around, together),
+        scattered=int(np.count_nonzero(~together)),
+    )
 
 
 def _across(  # what to fill, across what, and how

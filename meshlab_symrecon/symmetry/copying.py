@@ -14,14 +14,16 @@ from meshlab_symrecon.symmetry.plinth import FACE_WIDTH, plinth_top
 
 __all__ = ["off_lopsided_plinth", "on_surface", "standing_plane"]
 
-ALONE = 3.0  # medians of the distance to the neighbours
+ALONE = 3.0  # times the usual distance to the neighbours
+USUAL = 0.25  # quantile of it; clutter is the sparser part, and may be half
 APART = 2.0  # times the distance that is usual among its neighbours
 FLAT_NEIGHBOURS = 16
 FLAT = 0.15  # thickness / width of a neighbourhood: sparsely measured surface, not scatter
 PLINTH_SPACINGS = 2.0  # above the top of a plinth, where the statue begins
 PROBES = 4_000  # points of a plinth that are mirrored to see whether it has the plane, too
 ON_ITSELF = 2.5  # spacings between the image of a plinth's point and the plinth
-MOSTLY = 0.9  # share of such images
+LEAST_ON_ITSELF = 0.5  # share of such images; a hole takes some away, on one side of the plane
+TURNED = 0.02  # share of the others on either side: a plinth turned against the statue has both
 
 
 def on_surface(points: Points, distances: Floats, nearest: Indices) -> Booleans:
@@ -43,7 +45,7 @@ def on_surface(points: Points, distances: Floats, nearest: Indices) -> Booleans:
     width = distances.mean(axis=1)
     usual = np.median(width[nearest], axis=1)
     apart = width > APART * usual
-    alone = np.flatnonzero((width > ALONE * np.median(width)) & ~apart)
+    alone = np.flatnonzero((width > ALONE * np.quantile(width, USUAL)) & ~apart)
     if len(alone):
         thickness = principal_normals(points, points[alone], FLAT_NEIGHBOURS)[1]
         apart[alone] = thickness > FLAT * width[alone]
@@ -108,8 +110,8 @@ def off_lopsided_plinth(
     images = reflect(points[probes], plane)
     partners = field.closest(images)
     near = np.linalg.norm(points[partners] - images, axis=1) < ON_ITSELF * spacing
-    on_itself = near & ~above[partners]
-    left = signed_distances(images, plane) > 0.0
-    # A hole in one side of a symmetric plinth leaves the images on the other side in place.
-    shares = [on_itself[side].mean() for side in (left, ~left) if side.any()]
-    return np.ones(len(points), dtype=bool) if max(shares) >= MOSTLY else above
+    beside = ~near | above[partners]
+    left = signed_distances(points[probes], plane) < 0.0
+    turned = min((beside & left).mean(), (beside & ~left).mean())
+    on_itself = beside.mean() <= 1.0 - LEAST_ON_ITSELF and turned < TURNED
+    return np.ones(len(points), dtype=bool) if on_itself else above

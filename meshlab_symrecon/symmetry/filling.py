@@ -54,11 +54,6 @@ class Surroundings:
         within: Floats = np.clip(self.spacing, low * self.usual, high * self.usual)
         return within
 
-    @property
-    def widest(self) -> float:
-        """The widest spacing that is believed."""
-        return SPACING_RANGE[1] * self.usual
-
 
 def surroundings(points: Points, normals: Points | None, diagonal: float) -> Surroundings:
     """Look up the neighbourhood of every point (n, 3), n at least 2, along a space-filling curve.
@@ -86,8 +81,10 @@ def _field(points: Points, diagonal: float) -> NearestField:
 
 
 def _unit(normals: Points) -> Points:
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.asarray(normals / np.where(lengths > 0.0, lengths, 1.0), dtype=np.float64)
+    largest = np.abs(normals).max(axis=1, keepdims=True)
+    scaled = normals / np.where(largest > 0.0, largest, 1.0)  # whose squares are floats
+    lengths = np.linalg.norm(scaled, axis=1, keepdims=True)
+    return np.asarray(scaled / np.where(lengths > 0.0, lengths, 1.0), dtype=np.float64)
 
 
 def _fitted(points: Points) -> Points:
