@@ -22,7 +22,7 @@ FLAT = 0.15  # thickness / width of a neighbourhood: sparsely measured surface, 
 PLINTH_SPACINGS = 2.0  # above the top of a plinth, where the statue begins
 PROBES = 4_000  # points of a plinth that are mirrored to see whether it has the plane, too
 ON_ITSELF = 2.5  # spacings between the image of a plinth's point and the plinth
-LEAST_ON_ITSELF = 0.5  # share of such images; a hole takes some away, on one side of the plane
+LEAST_ON_ITSELF = 0.25  # share of such images; a hole takes some away, on one side of the plane
 TURNED = 0.02  # share of the others on either side: a plinth turned against the statue has both
 
 
