@@ -41,6 +41,10 @@ AGREEING = 13  # places, the one itself among them, whose offsets are compared
 RETURN, RETURN_SLOPE = 2.0, 0.5  # the same of a place and the partner of its partner
 DOUBT = 0.1  # share of an offset by which it may be wrong
 LEAST_NOISE = 0.1  # spacings
+FAR_OFF = 12.0  # usual sizes of the offsets beyond a rigid motion: what is farther is disbelieved
+DISBELIEF = 3.0  # times what lies beyond
+REWEIGHTED = 20  # times at most
+SPEAKING = 200  # places whose offsets say as much as those of all, since neighbours are alike
 TINY = float(np.finfo(np.float64).tiny)
 BLOCK = 4_096  # places at a time
 
@@ -106,9 +110,11 @@ def asymmetry_field(cloud: PreparedCloud, plane: Floats, longest: float) -> Asym
         [length for length in LENGTHS if length <= longest] or [max(longest, SHORTEST)]
     )
     images, normals, heights = images[both], normals[both], heights[both]
-    variances, noise = _correlation(images, normals, heights, lengths)
+    trend, scale = _trend(images, normals, heights, LEAST_NOISE * cloud.spacing)
+    believed = trend + np.clip(heights - trend, -FAR_OFF * scale, FAR_OFF * scale)
+    variances, noise = _correlation(images, normals, believed, lengths)
     noise = max(noise, (LEAST_NOISE * cloud.spacing) ** 2, (0.5 * cloud.roughness) ** 2)
-    doubts = _doubts(images, normals, heights)
+    doubts = np.hypot(_doubts(images, normals, heights), DISBELIEF * (heights - believed))
     even = farthest_point_order(images, MOST_PLACES)
     places, upright, heights = images[even], normals[even], heights[even]
     prior = np.repeat([DRIFT_SHIFT**2, DRIFT**2], 3)
@@ -138,9 +144,10 @@ def _seen_offsets(cloud: PreparedCloud, plane: Floats) -> tuple[Points, Points, 
     distances, nearest = cKDTree(cloud.points).query(images)
     turned, theirs = reflect_directions(cloud.normals, plane), cloud.normals[nearest]
     facing = np.einsum("ni,ni->n", turned, theirs)
-    seen = cloud.oriented & cloud.oriented[nearest] & (facing > LEAST_COSINE)
+    known = cloud.oriented & cloud.oriented[nearest]
+    seen = np.where(known, facing, np.abs(facing)) > LEAST_COSINE
     # Two points of one sphere are at one height along the mean of their normals.
-    normals = theirs + turned
+    normals = theirs + turned * np.sign(facing)[:, np.newaxis]
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), TINY)
     heights = np.einsum("ni,ni->n", cloud.points[nearest] - images, normals)
     beside = np.sqrt(np.maximum(distances**2 - heights**2, 0.0))
@@ -149,6 +156,27 @@ def _seen_offsets(cloud: PreparedCloud, plane: Floats) -> tuple[Points, Points, 
     astray = np.linalg.norm(cloud.points[nearest[nearest]] - cloud.points, axis=1)
     seen &= astray < RETURN * cloud.spacing + RETURN_SLOPE * np.abs(heights)
     return images, normals, heights, seen & ~cloud.border[nearest]
+
+
+def _trend(places: Points, normals: Points, heights: Floats, least: float) -> tuple[Floats, float]:
+    """Return what a rigid motion explains of the offsets, and the usual size of the rest.
+
+    By iterated reweighting with Tukey's biweight (Beaton and Tukey 1974): where a limb is missing,
+    the other one's image may pair with the limb itself, a whole patch of offsets that agree.
+    """
+    turns = np.einsum("mik,mi->mk", _rigid_motions(places), normals)
+    stiffness = np.diag(np.repeat([DRIFT_SHIFT**-2, DRIFT**-2], 3))
+    drift = np.zeros(6)
+    for _ in range(REWEIGHTED):
+        rest = heights - turns @ drift
+        scale = max(1.4826 * float(np.median(np.abs(rest))), least)
+        weights = (1.0 - np.minimum(np.abs(rest) / (FAR_OFF * scale), 1.0) ** 2) ** 2
+        weighted = turns.T * (weights * SPEAKING / (len(rest) * scale**2))
+        before, drift = drift, np.linalg.solve(weighted @ turns + stiffness, weighted @ heights)
+        if np.abs(drift - before).max() < 1e-7:
+            break
+    trend = turns @ drift
+    return trend, max(1.4826 * float(np.median(np.abs(heights - trend))), least)
 
 
 def _doubts(places: Points, normals: Points, heights: Floats) -> Floats:

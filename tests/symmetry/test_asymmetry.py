@@ -77,10 +77,10 @@ def test_two_samples_of_a_symmetric_body_have_hardly_any(shapes, seed):
 
 @pytest.mark.parametrize("moved", [shift, turn, bend], ids=lambda field: field.__name__)
 @pytest.mark.parametrize("seed", SEEDS)
-def test_offsets_in_a_hole_follow_the_other_side(shapes, seed, moved):
+def test_offsets_in_a_hole_are_right_to_a_fifth_and_a_third_better_than_none(shapes, seed, moved):
     body = Body(shapes, seed, moved)
     assert size(body.true) > 1e-3 * body.diagonal
-    assert body.off(body.offsets()) < min(0.2 * size(body.true), 0.6 * body.off(0.0))
+    assert body.off(body.offsets()) < min(0.2 * size(body.true), 2.0 / 3.0 * body.off(0.0))
 
 
 @pytest.mark.parametrize("seed", SEEDS)
