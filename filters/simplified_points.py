@@ -28,6 +28,11 @@ from meshlab_symrecon.plugin import (
 
 LABEL = "simplified points"
 
+UNSETTLED = (
+    "the messages had not settled when they stopped, so that other points may stand better for the "
+    "scan; look at largest_distance, or ask for another number of points"
+)
+
 
 class Parameters(ParameterSet):
     """Parameters of the simplification."""
@@ -108,6 +113,7 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
     staying[simplified[found.chosen]] = True
     made = _taken(source, np.flatnonzero(staying))
     measures = _measures(points[simplified], found) | {"points": len(made.points)}
+    warnings = warnings if found.converged else (*warnings, UNSETTLED)
     return Outcome((made,), current=0, measures=measures, warnings=warnings)
 
 

@@ -60,10 +60,11 @@ class Propagation:
     iterations: int  # number of iterations done
     damping: float  # of the last one: oscillation raises it
     edges: int  # in the end, those of points to themselves included
+    earlier: Indices  # exemplars `convergence_iter` iterations before; none if there were fewer
 
 
 def _propagation(found: tuple[NDArray[np.uint8], bool, bool, int, float, int]) -> Propagation:
-    return Propagation(np.flatnonzero(found[0]), *found[1:])
+    return Propagation(np.flatnonzero(found[0]), *found[1:-1], np.flatnonzero(found[-1]))
 
 
 def propagate_dense(similarities: Floats, schedule: Schedule) -> Propagation:
