@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 
@@ -202,8 +203,8 @@ def _labels(points: Points, chosen: Indices) -> Indices:
 
 def _whole(count: object) -> int:
     """Return a number without fraction, of whatever type, as an integer."""
-    if isinstance(count, (int, float, np.number)) and count % 1 == 0:
-        return int(count)
+    if isinstance(count, Real) and float(count).is_integer():
+        return int(float(count))
     message = f"count must be a whole number; got {count!r:.60}; round it"
     raise ParameterError(message)
 
