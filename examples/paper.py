@@ -9,9 +9,10 @@ beside ours.
 
 The models may not be handed on, so they are not part of this package. `twirl.off` comes with
 MeshLab's samples (github.com/cnr-isti-vclab/meshlab, folder `sample`), `squirrel.obj` with
-github.com/sgsellan/reach-for-the-spheres (folder `data`). Sample 7000 and 9000 points of them, cut
-a part off so that 5235 and 6711 stay, and put the clouds into the folder `incomplete` below
-SYMRECON_DATA, named as in `STATUES`.
+github.com/sgsellan/reach-for-the-spheres (folder `data`). Sample 7000 and 9000 points of them, and
+cut a part off so that 5235 and 6711 stay. Four clouds belong into the folder `incomplete` below
+SYMRECON_DATA: the incomplete ones as `twirl_7000_5235.ply` and `squirrel_9000_6711.ply`, and all
+points of them as `twirl_7000_5235_complete.ply` and `squirrel_9000_6711_complete.ply`.
 """
 
 from __future__ import annotations

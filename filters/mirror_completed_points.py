@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from meshlab_symrecon.arrays import Booleans, Floats, Planes
-from meshlab_symrecon.errors import GeometryError, ParameterError
+from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.geometry.plane_quads import PLANES_LABEL, planes_of_pieces
 from meshlab_symrecon.plugin import (
     Filter,
@@ -100,7 +100,7 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
         colours=source.colours,
         gap=parameters.gap,
         blend=parameters.blend,
-        source=_selected(source) if parameters.onlyselected else None,
+        source=source.required_selection() if parameters.onlyselected else None,
         progress=progress,
     )
     share = _share_invented(source, completed.mirrored)
@@ -128,17 +128,6 @@ def _measures(completed: CompletedPoints, share: Floats) -> dict[str, Any]:
         "plinth": completed.plinth,
         "open_rims": completed.open_rims,
     }
-
-
-def _selected(source: Layer) -> Booleans:
-    selection = source.selection
-    if selection is None:
-        message = (
-            f"with onlyselected, points of layer '{source.label}' must be selected; got none; "
-            "select what may be mirrored"
-        )
-        raise GeometryError(message)
-    return selection
 
 
 def _scalars(source: Layer) -> dict[str, Floats]:
@@ -174,25 +163,10 @@ def _planes(layers: Layers, parameters: Parameters) -> tuple[Planes, tuple[str, 
 
     Without a planes layer there are none: a script goes on with what was measured.
     """
-    if parameters.planes >= 0:
-        chosen: Layer | None = layers.get(parameters.planes)
-    else:
-        chosen = layers.newest(PLANES_LABEL)
+    chosen = layers.beside_current(parameters.planes, PLANES_LABEL)
     if chosen is None:
         return np.zeros((0, 4)), (NO_PLANES,)
-    if chosen.identifier == layers.current_identifier:
-        message = (
-            f"the scan must be the current layer; got the planes layer '{chosen.label}' itself; "
-            "make the scan current"
-        )
-        raise GeometryError(message)
     planes = planes_of_pieces(chosen.points, chosen.faces)
-    if not len(planes):
-        message = (
-            f"a planes layer needs a rectangle or triangle a plane; layer '{chosen.label}' has "
-            "no faces; detect planes first, or draw one"
-        )
-        raise GeometryError(message)
     if parameters.plane >= len(planes):
         message = (
             f"plane must be the number of a plane of layer '{chosen.label}', 0 to "

@@ -113,29 +113,14 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
 
 
 def _plane(layers: Layers, parameters: Parameters) -> Floats:
-    if parameters.planes >= 0:
-        sheets: Layer | None = layers.get(parameters.planes)
-    else:
-        sheets = layers.newest(PLANES_LABEL)
+    sheets = layers.beside_current(parameters.planes, PLANES_LABEL)
     if sheets is None:
         message = (
             f"there is nothing to mirror across: this filter needs a layer '{PLANES_LABEL}'; "
             "detect planes first, or draw one and name its layer"
         )
         raise GeometryError(message)
-    if sheets.identifier == layers.current_identifier:
-        message = (
-            "this filter needs the scan as the current layer; got the planes themselves, layer "
-            f"{sheets.identifier} '{sheets.label}'; make the scan the current layer first"
-        )
-        raise GeometryError(message)
     planes = planes_of_pieces(sheets.points, sheets.faces)
-    if not len(planes):
-        message = (
-            f"a planes layer needs a rectangle or triangle a plane; layer '{sheets.label}' has "
-            "no faces; detect planes first, or draw one"
-        )
-        raise GeometryError(message)
     if parameters.plane >= len(planes):
         message = (
             f"plane must be one of the {len(planes)} planes of layer '{sheets.label}', counted "
@@ -149,13 +134,7 @@ def _plane(layers: Layers, parameters: Parameters) -> Floats:
 def _chosen(source: Layer, only_selected: bool) -> Booleans:
     if not only_selected:
         return np.ones(len(source.points), dtype=np.bool_)
-    if source.selection is None:
-        message = (
-            f"onlyselected needs a selection; layer '{source.label}' has none; "
-            "select what to measure first, or set onlyselected to false"
-        )
-        raise GeometryError(message)
-    return source.selection
+    return source.required_selection()
 
 
 def _measures(found: MirrorDeviation, chosen: Booleans, plane: Floats) -> dict[str, object]:

@@ -137,13 +137,7 @@ def _looked_at(source: Layer, only_selected: bool) -> tuple[Points, Points | Non
     normals = source.normals
     if not only_selected:
         return points, normals
-    chosen = source.selection
-    if chosen is None:
-        message = (
-            f"onlyselected needs a selection; layer '{source.label}' has none; "
-            "select the symmetric part first, or set onlyselected to false"
-        )
-        raise GeometryError(message)
+    chosen = source.required_selection()
     if not is_solid(points[chosen], FEWEST):
         message = (
             f"detection of reflection planes needs at least {FEWEST} points not in one plane; "
@@ -156,29 +150,14 @@ def _looked_at(source: Layer, only_selected: bool) -> tuple[Points, Points | Non
 
 def _drawn_planes(layers: Layers, parameters: Parameters) -> tuple[Planes, tuple[str, ...]]:
     """Return the planes to refine, and what to tell the user."""
-    if parameters.planes >= 0:
-        chosen: Layer | None = layers.get(parameters.planes)
-    else:
-        chosen = layers.newest(PLANES_LABEL)
+    chosen = layers.beside_current(parameters.planes, PLANES_LABEL)
     if chosen is None:
         message = (
             f"refine needs planes; no layer is called '{PLANES_LABEL}'; draw a rectangle where "
             "the mirror should be and give its layer that name, or name its layer by number"
         )
         raise GeometryError(message)
-    if chosen.identifier == layers.current_identifier:
-        message = (
-            f"refine needs the scan as the current layer; got the planes themselves, layer "
-            f"{chosen.identifier} '{chosen.label}'; make the scan the current layer first"
-        )
-        raise GeometryError(message)
     planes = planes_of_pieces(chosen.points, chosen.faces)
-    if not len(planes):
-        message = (
-            f"refine needs a rectangle or triangle a plane; layer '{chosen.label}' has no faces; "
-            "draw one, or name another layer"
-        )
-        raise GeometryError(message)
     most = parameters.maxplanes
     if len(planes) <= most:
         return planes, ()

@@ -12,7 +12,7 @@ from meshlab_symrecon.clustering.simplification import (
     SimplifiedPoints,
     simplify,
 )
-from meshlab_symrecon.errors import GeometryError, ParameterError
+from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.plugin import (
     Citation,
     Filter,
@@ -27,6 +27,11 @@ from meshlab_symrecon.plugin import (
 )
 
 LABEL = "simplified points"
+
+UNSETTLED = (
+    "the messages had not settled when they stopped, so that other points may stand better for the "
+    "scan; look at largest_distance, or ask for another number of points"
+)
 
 
 class Parameters(ParameterSet):
@@ -108,6 +113,7 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
     staying[simplified[found.chosen]] = True
     made = _taken(source, np.flatnonzero(staying))
     measures = _measures(points[simplified], found) | {"points": len(made.points)}
+    warnings = warnings if found.converged else (*warnings, UNSETTLED)
     return Outcome((made,), current=0, measures=measures, warnings=warnings)
 
 
@@ -115,14 +121,7 @@ def _simplified(source: Layer, only_selected: bool) -> Indices:
     """Return the points to choose from."""
     if not only_selected:
         return np.arange(len(source.points))
-    chosen = source.selection
-    if chosen is None or not chosen.any():
-        message = (
-            f"onlyselected needs a selection; layer '{source.label}' has none; "
-            "select the points to simplify first, or set onlyselected to false"
-        )
-        raise GeometryError(message)
-    return np.flatnonzero(chosen)
+    return np.flatnonzero(source.required_selection())
 
 
 def _count(points: int, parameters: Parameters) -> tuple[int | None, tuple[str, ...]]:
@@ -179,8 +178,8 @@ FILTER = Filter(
         "in whatever order they come.\n\n"
         "Returns the number of `points`; the `preference` of a flat part, in squared mean "
         "spacings; `mean_distance` and `largest_distance` of a point to the one that stands for "
-        "it, in the units of the layer; `converged`, whether the messages had settled for every "
-        "point."
+        "it, in the units of the layer; `converged`, whether the messages had settled: "
+        "the exemplars, or their net similarity to 0.1 %. A warning says when not."
     ),
     parameters=Parameters,
     run=run,

@@ -163,7 +163,7 @@ def test_only_selected_vertices_are_measured_and_the_others_keep_their_quality()
     assert np.array_equal(
         np.flatnonzero(read_layer(bare, 0).attributes["has_counterpart"]), corners
     )
-    with pytest.raises(GeometryError, match="layer 'scan' has none; select what to measure"):
+    with pytest.raises(GeometryError, match="layer 'scan' has none; select what the"):
         apply_filter(document(), DEVIATION, onlyselected=True)
 
 
@@ -202,7 +202,7 @@ def test_what_cannot_be_measured_is_refused_and_nothing_is_written():
     cases.append((bare, "has no faces; detect planes first"))
     own = document()
     own.set_current_mesh(1)
-    cases.append((own, "got the planes themselves, layer 1"))
+    cases.append((own, "got layer 1 'reflection planes', which"))
     for mesh_set, words in cases:
         current = mesh_set.current_mesh_id()
         before = state(mesh_set.mesh(current))

@@ -289,8 +289,8 @@ def refused(mesh_set: pymeshlab.MeshSet, kind: type[Exception], **values: object
 def test_without_a_selection_there_is_nothing_to_look_at():
     said = refused(document(STATUE), GeometryError, onlyselected=True)
     assert said == (
-        "onlyselected needs a selection; layer 'scan' has none; select the symmetric part first, "
-        "or set onlyselected to false"
+        "onlyselected needs a selection; layer 'scan' has none; select what the filter shall "
+        "look at, or set onlyselected to false"
     )
 
 
@@ -330,7 +330,7 @@ def test_planes_without_faces():
     mesh_set = document(STATUE)
     add_layer(mesh_set, Layer(STATUE[:4], NO_FACES, PLANES_LABEL), current=False)
     said = refused(mesh_set, GeometryError, refine=True)
-    assert "layer 'reflection planes' has no faces; draw one" in said
+    assert "has no faces; detect planes first, or draw one" in said
 
 
 @pytest.mark.parametrize("named", [True, False])
@@ -339,7 +339,7 @@ def test_the_planes_as_the_current_layer(named):
     drawn = draw(mesh_set, TRUE)
     mesh_set.set_current_mesh(drawn)
     said = refused(mesh_set, GeometryError, refine=True, planes=drawn if named else -1)
-    assert "got the planes themselves, layer 1 'reflection planes'; make the scan" in said
+    assert "got layer 1 'reflection planes', which it reads beside the scan; make" in said
 
 
 def test_a_drawing_that_is_no_plane():

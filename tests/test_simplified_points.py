@@ -8,9 +8,11 @@ import pytest
 import shapes
 
 import meshlab_symrecon
+from meshlab_symrecon.clustering import simplification
+from meshlab_symrecon.clustering.messages import Schedule
 from meshlab_symrecon.clustering.simplification import simplify
 from meshlab_symrecon.errors import GeometryError, ParameterError, SymReconWarning
-from meshlab_symrecon.filters.simplified_points import FILTER, LABEL
+from meshlab_symrecon.filters.simplified_points import FILTER, LABEL, UNSETTLED
 from meshlab_symrecon.host.meshset import read_layer
 from meshlab_symrecon.plugin import Layer, Layers
 
@@ -108,6 +110,15 @@ def test_more_points_than_there_are_leave_all_with_a_warning():
     with pytest.warns(SymReconWarning, match="9999 points were asked for, but there are only 2000"):
         assert apply(document, count=9999)["points"] == len(STATUE)
     assert np.array_equal(document.current_mesh().vertex_matrix(), STATUE)
+
+
+def test_messages_that_had_not_settled_are_told_and_others_not(monkeypatch):
+    settled = FILTER.apply(layer(), {"count": 600})
+    assert (settled.measures["converged"], settled.warnings) == (True, ())
+    monkeypatch.setattr(simplification, "THOROUGH", Schedule(0.8, 5, 10))
+    stopped = FILTER.apply(layer(), {"count": 600})
+    assert (stopped.measures["converged"], stopped.warnings) == (False, (UNSETTLED,))
+    assert stopped.measures["points"] == 600
 
 
 def test_two_answers_to_one_question_are_refused():

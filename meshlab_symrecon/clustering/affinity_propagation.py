@@ -157,7 +157,7 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         if len(rows) < 3 or (rows == rows[0]).all():
             similarity = -float(((rows[0] - rows[-1]) ** 2).sum())
             chosen = choose_among_equals(preferences, similarity)
-            return Propagation(chosen, True, True, 0, self.damping, len(rows) ** 2)
+            return Propagation(chosen, True, True, 0, self.damping, len(rows) ** 2, chosen)
         if self.n_neighbors is None:
             return propagate_dense(all_similarities(rows, preferences), schedule)
         return propagate_neighbours(Neighbours(rows), preferences, self.n_neighbors, schedule)

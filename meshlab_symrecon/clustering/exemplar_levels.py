@@ -15,8 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from meshlab_symrecon.arrays import Floats, Points
+from meshlab_symrecon.arrays import Floats, Indices, Points
 from meshlab_symrecon.clustering.messages import Propagation, Schedule, propagate_sparse
 from meshlab_symrecon.clustering.neighbour_graph import Neighbours
 from meshlab_symrecon.clustering.surface_variation import (
@@ -33,6 +34,7 @@ __all__ = [
     "Passing",
     "propagate_once",
     "propagate_to_count",
+    "settled",
 ]
 
 HEXAGON = 5.0 / (18.0 * np.sqrt(3.0))  # mean squared distance to the centre of a hexagon / its area
@@ -42,6 +44,7 @@ SEEN = 3.0  # neighbourhood of the surface variation / points that an exemplar s
 LEAST_SEEN = 8
 QUICK = Schedule(0.6, 40, 10)  # the net similarity has settled by then, to 1e-4
 THOROUGH = Schedule(0.8, 400, 10)  # so has every single exemplar, as a rule
+SETTLED = 1e-3  # relative change of net similarity, over the last iterations, that is none
 TIE_BREAK = 1e-3  # of a preference: lattices settle, and no cluster is worse by more
 TRIALS = 3  # of the preference
 CLOSE = 0.01  # relative error of a count that ends the search
@@ -108,6 +111,11 @@ class Level:
             enough = np.minimum(1.0, asked / middle).sum() > count
             low, high = (middle, high) if enough else (low, middle)
         return float(np.sqrt(low * high))
+
+    def net_similarity(self, area: float, exemplars: Indices) -> float:
+        """Return the sum of the preferences of exemplars and of the similarities to them."""
+        distances = cKDTree(self.points[exemplars]).query(self.points)[0]
+        return float(self.preferences(area)[exemplars].sum() - (self.mass * distances**2).sum())
 
     def exemplars(self, area: float, schedule: Schedule) -> Propagation:
         """Pass messages with the preferences of an area an exemplar."""
@@ -177,6 +185,21 @@ def propagate_to_count(level: Level, count: int, schedule: Schedule) -> Passing:
         return Passing(messages, area, iterations)
     last = propagate_once(level, area, schedule)
     return Passing(last.messages, area, iterations + last.iterations)
+
+
+def settled(level: Level, found: Passing) -> bool:
+    """Say whether the exemplars, or at least their net similarity, no longer changed in the end.
+
+    Single points between two equally good exemplars may turn for hundreds of iterations, in which
+    net similarity changes by less than 1e-4.
+    """
+    if found.messages.converged:
+        return True
+    if not len(found.messages.earlier):
+        return False
+    before = level.net_similarity(found.area, found.messages.earlier)
+    after = level.net_similarity(found.area, found.messages.exemplars)
+    return abs(after - before) <= SETTLED * abs(after)
 
 
 def _neighbours(points: Points, width: int) -> tuple[Floats, NDArray[np.int32]]:

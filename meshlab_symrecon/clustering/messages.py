@@ -60,10 +60,15 @@ class Propagation:
     iterations: int  # number of iterations done
     damping: float  # of the last one: oscillation raises it
     edges: int  # in the end, those of points to themselves included
+    earlier: Indices  # exemplars `convergence_iter` iterations before; none if there were fewer
 
 
-def _propagation(found: tuple[NDArray[np.uint8], bool, bool, int, float, int]) -> Propagation:
-    return Propagation(np.flatnonzero(found[0]), *found[1:])
+def _propagation(
+    found: tuple[NDArray[np.uint8], bool, bool, int, float, int, NDArray[np.uint8]],
+) -> Propagation:
+    chosen, converged, exact, iterations, damping, edges, earlier = found
+    now, before = np.flatnonzero(chosen), np.flatnonzero(earlier)
+    return Propagation(now, converged, exact, iterations, damping, edges, before)
 
 
 def propagate_dense(similarities: Floats, schedule: Schedule) -> Propagation:

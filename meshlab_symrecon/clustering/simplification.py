@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 
@@ -19,8 +20,10 @@ from meshlab_symrecon.clustering.exemplar_levels import (
     Passing,
     propagate_once,
     propagate_to_count,
+    settled,
 )
 from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.geometry.bounds import require_extent
 
 __all__ = ["DETAIL", "LARGEST_DETAIL", "SimplifiedPoints", "simplify"]
 
@@ -47,7 +50,8 @@ class SimplifiedPoints:
         Preference of a point on a plane, in squared mean spacings, see `simplify`; 0 when all
         distinct points were kept without any message.
     converged : bool
-        False: the last messages had not settled for every point; the exemplars are valid.
+        Whether the last messages had settled: the exemplars, or their net similarity to 0.1 %
+        over the last iterations. The exemplars are valid in any case.
     iterations : int
         Of all message passings.
     """
@@ -92,9 +96,10 @@ def simplify(
     Raises
     ------
     GeometryError
-        Wrong shape, no points, or a coordinate that is not finite.
+        Wrong shape, no points, a coordinate that is not finite, or an extent that floats cannot
+        square.
     ParameterError
-        Neither or both of count and preference, or one out of range.
+        Neither or both of count and preference, one out of range, or a count that is not whole.
 
     Notes
     -----
@@ -105,6 +110,8 @@ def simplify(
     of which counts as the points that it stands for. Equal points are one, of their number's mass.
     """
     given = as_points(points, minimum=1)
+    require_extent(given, "simplification")
+    count = None if count is None else _whole(count)
     _check(len(given), count, preference, detail)
     cloud = distinct_points(given)
     if len(cloud.points) == 1 or (count is not None and count >= len(cloud.points)):
@@ -165,7 +172,7 @@ def _descend(
     return _Descent(
         cloud.reduced(exemplars),
         -HEXAGON * (found.area / level.unit) ** 2,
-        found.messages.converged,
+        settled(level, found),
         iterations + found.iterations,
     )
 
@@ -178,9 +185,8 @@ def _coarser(level: Level, wanted: int | None, share: float) -> tuple[Passing, I
     found = propagate_once(level, level.area(wanted), QUICK)
     if len(found.messages.exemplars) >= FEWEST * wanted:
         return found, found.messages.exemplars
-    return found, with_exact_count(
-        level, found, wanted
-    )  # the last level needs enough to choose from
+    # The levels that follow need enough to choose from.
+    return found, with_exact_count(level, found, wanted)
 
 
 def _with_duplicates(first: Indices, total: int, count: int) -> Indices:
@@ -193,6 +199,14 @@ def _labels(points: Points, chosen: Indices) -> Indices:
     label = nearest_exemplars(points, points[chosen])
     label[chosen] = np.arange(len(chosen))
     return label
+
+
+def _whole(count: object) -> int:
+    """Return a number without fraction, of whatever type, as an integer."""
+    if isinstance(count, Real) and float(count).is_integer():
+        return int(float(count))
+    message = f"count must be a whole number; got {count!r:.60}; round it"
+    raise ParameterError(message)
 
 
 def _check(points: int, count: int | None, preference: float | None, detail: float) -> None:

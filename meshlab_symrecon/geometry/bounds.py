@@ -7,7 +7,14 @@ import numpy as np
 from meshlab_symrecon.arrays import Points
 from meshlab_symrecon.errors import GeometryError
 
-__all__ = ["SPACE", "box_diagonal", "is_solid", "require_solid", "robust_diagonal"]
+__all__ = [
+    "SPACE",
+    "box_diagonal",
+    "is_solid",
+    "require_extent",
+    "require_solid",
+    "robust_diagonal",
+]
 
 SMALLEST, LARGEST = 1e-60, 1e60  # units: squares and cubes of lengths stay within floats
 SPACE = 3  # dimensions
@@ -41,6 +48,31 @@ def robust_diagonal(points: Points, share: float = 0.005) -> float:
     return float(np.linalg.norm(high - low))
 
 
+def require_extent(points: Points, purpose: str) -> None:
+    """Check that floats can square and cube the lengths of a cloud; equal points are no cloud.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Positions, at least one.
+    purpose : str
+        What the points are for: the subject of the error's sentence.
+
+    Raises
+    ------
+    GeometryError
+        The longest side of the box is too small, but not 0, or too large.
+    """
+    with np.errstate(over="ignore"):
+        extent = float(np.ptp(points, axis=0).max())
+    if 0.0 < extent < SMALLEST or extent > LARGEST:
+        message = (
+            f"{purpose} needs points that extend over {SMALLEST:g} to {LARGEST:g} units; "
+            f"got an extent of {extent:.3g}; change the units"
+        )
+        raise GeometryError(message)
+
+
 def require_solid(points: Points, purpose: str, minimum: int = 5) -> None:
     """Check that a cloud has enough points, and that they do not lie in one plane.
 
@@ -65,13 +97,7 @@ def require_solid(points: Points, purpose: str, minimum: int = 5) -> None:
             f"got {len(points)} points; load a fuller scan"
         )
         raise GeometryError(message)
-    extent = float(np.ptp(points, axis=0).max())
-    if 0.0 < extent < SMALLEST or extent > LARGEST:
-        message = (
-            f"{purpose} needs points that extend over {SMALLEST:g} to {LARGEST:g} units; "
-            f"got an extent of {extent:.3g}; change the units"
-        )
-        raise GeometryError(message)
+    require_extent(points, purpose)
     rank = _rank(points)
     if rank < SPACE:
         shape = ("that all coincide", "on one line", "in one plane")[rank]

@@ -71,9 +71,15 @@ def planes_of_pieces(points: Points, faces: Faces) -> Planes:
     Raises
     ------
     GeometryError
-        A piece is not flat, or has no area; a corner is not finite.
+        There are no faces; a piece is not flat, or has no area; a corner is not finite.
     """
     points = as_points(points)
+    if not len(faces):
+        message = (
+            f"planes need a rectangle or triangle each; got a layer of {len(points)} points that "
+            "has no faces; detect planes first, or draw one"
+        )
+        raise GeometryError(message)
     sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
     links = coo_matrix((np.ones(len(sides)), sides.T), shape=(len(points), len(points)))
     piece = connected_components(links, directed=False)[1][faces[:, 0]]

@@ -226,11 +226,14 @@ Exemplars propagate(Edges& edges, const MessageSchedule& schedule, const Checkpo
     if (choice.oscillates()) found.damping = 0.5 * (1.0 + found.damping);
     ++found.iterations;
     found.converged = choice.unchanged() >= schedule.calm && choice.number() > 0;
+    if (found.iterations == schedule.most - schedule.calm) found.earlier = choice.chosen();
   }
   const std::vector<double>& evidence = messages.evidence();
   if (choice.number() == 0 && !evidence.empty())  // stopped early: the point nearest to being an exemplar
     choice.chosen()[std::max_element(evidence.begin(), evidence.end()) - evidence.begin()] = 1;
   found.chosen = std::move(choice.chosen());
+  if (found.converged) found.earlier = found.chosen;
+  found.earlier.resize(found.chosen.size());
   found.edges = edges.edges();
   return found;
 }

@@ -30,7 +30,8 @@ struct MessageSchedule {
 };
 
 struct Exemplars {
-  std::vector<std::uint8_t> chosen;  // at least one, even when stopped early
+  std::vector<std::uint8_t> chosen;   // at least one, even when stopped early
+  std::vector<std::uint8_t> earlier;  // those of `calm` iterations before a stop at the limit; none if there were fewer
   bool converged = false;
   bool exact = true;  // no edge was missing that could have changed a message
   std::int32_t iterations = 0;

@@ -54,7 +54,7 @@ class Neighbours {
 
 nb::tuple as_tuple(Exemplars&& found) {
   return nb::make_tuple(give(std::move(found.chosen)), found.converged, found.exact, found.iterations, found.damping,
-                        found.edges);
+                        found.edges, give(std::move(found.earlier)));
 }
 
 nb::tuple propagate_sparse_of(const Matrix<double>& similarities, const Matrix<std::int32_t>& targets, double damping,
@@ -86,7 +86,7 @@ nb::tuple propagate_dense_of(const Matrix<double>& similarities, double damping,
 void bind_clustering(nb::module_& module) {
   module.def("propagate_sparse_affinity", &propagate_sparse_of, nb::arg("similarities"), nb::arg("targets"),
              nb::arg("damping"), nb::arg("most"), nb::arg("calm"), nb::arg("more") = nb::none(),
-             "Exemplars; whether they converged and are exact; iterations, last damping, edges.");
+             "Exemplars; whether they converged and are exact; iterations, last damping, edges; exemplars earlier.");
   module.def("propagate_dense_affinity", &propagate_dense_of, nb::arg("similarities"), nb::arg("damping"),
              nb::arg("most"), nb::arg("calm"), "The same between all points.");
 }

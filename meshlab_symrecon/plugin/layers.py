@@ -67,6 +67,23 @@ class Layer:
         corners[self.faces[self.face_selected]] = True
         return corners
 
+    def required_selection(self) -> Booleans:
+        """Return the selection, for a filter whose parameter ``onlyselected`` is set.
+
+        Raises
+        ------
+        GeometryError
+            Nothing is selected.
+        """
+        chosen = self.selection
+        if chosen is None or not chosen.any():
+            message = (
+                f"onlyselected needs a selection; layer '{self.label}' has none; "
+                "select what the filter shall look at, or set onlyselected to false"
+            )
+            raise GeometryError(message)
+        return chosen
+
 
 @dataclass(frozen=True, slots=True)
 class Layers:
@@ -127,6 +144,25 @@ class Layers:
             if same.fullmatch(name):
                 return self.read(identifier)
         return None
+
+    def beside_current(self, identifier: int, label: str) -> Layer | None:
+        """Return the layer that a parameter names, or the newest of a label for -1.
+
+        Raises
+        ------
+        ParameterError
+            No layer has that number.
+        GeometryError
+            It is the current layer itself.
+        """
+        found = self.get(identifier) if identifier >= 0 else self.newest(label)
+        if found is not None and found.identifier == self.current_identifier:
+            message = (
+                f"this filter needs the scan as the current layer; got layer {found.identifier} "
+                f"'{found.label}', which it reads beside the scan; make the scan current first"
+            )
+            raise GeometryError(message)
+        return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)

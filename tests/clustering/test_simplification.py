@@ -14,16 +14,17 @@ from meshlab_symrecon.clustering.distinct_points import distinct_points
 from meshlab_symrecon.clustering.exact_count import with_exact_count
 from meshlab_symrecon.clustering.exemplar_levels import (
     HEXAGON,
+    QUICK,
     THOROUGH,
     Level,
     propagate_once,
     propagate_to_count,
+    settled,
 )
 from meshlab_symrecon.clustering.messages import Schedule, propagate_dense
 from meshlab_symrecon.clustering.simplification import simplify
 from meshlab_symrecon.clustering.surface_variation import (
     EDGE,
-    LEAST,
     bending,
     surface_variation,
     wanted_density,
@@ -237,11 +238,14 @@ def test_the_surface_variation_of_a_right_angle():
 
 def test_the_wanted_density_is_that_of_the_formula_above_its_floor():
     variation = np.array([0.0, 0.0, 0.01, EDGE, 0.2])
-    area = np.array([100.0, 1.0, 1.0, 1.0, 1.0])
     density = 1.0 + 3.0 * (np.sqrt(24.0 * variation) + 2.0 * (variation / EDGE) ** 2)
-    floor = LEAST * (density * area).sum() / area.sum()
+    mostly_flat = np.array([100.0, 1.0, 1.0, 1.0, 1.0])
+    np.testing.assert_allclose(wanted_density(variation, mostly_flat, 3.0), density)
+    area = np.array([1.0, 1.0, 1.0, 100.0, 1.0])
+    floor = 0.65 * (density * area).sum() / area.sum()
+    assert floor > density[2] > 2.0
     found = wanted_density(variation, area, 3.0)
-    np.testing.assert_allclose(found, np.maximum(density, floor) / max(1.0, floor))
+    np.testing.assert_allclose(found, np.maximum(density, floor) / floor)
     assert found.min() == 1.0
     assert (wanted_density(variation, area, 0.0) == 1.0).all()
 
@@ -305,6 +309,95 @@ def test_the_exact_step_reaches_any_count(count):
     assert len(np.unique(after)) == count
 
 
+@pytest.mark.parametrize("name", ["line", "lattice", "a clump and a point far off"])
+def test_levels_between_leave_enough_to_choose_from(name, monkeypatch):
+    seen = []
+
+    def spy(level, count, schedule):
+        seen.append(len(level.points))
+        return propagate_to_count(level, count, schedule)
+
+    monkeypatch.setattr(simplification, "propagate_to_count", spy)
+    points = CLOUDS[name]
+    for count in range(1, len(points) // 16 + 1):  # three levels and more
+        seen.clear()
+        simplify(points, count=count)
+        levels = int(np.ceil(np.log(len(points) / count) / np.log(4.0) - 1e-9))
+        before_last = len(points) * (count / len(points)) ** (1.0 - 1.0 / levels)
+        assert seen[0] >= np.floor(0.8 * before_last)
+
+
+def level_of(count: int) -> tuple[Level, float]:
+    cloud = distinct_points(STATUE)
+    level = Level.of(cloud.points, cloud.mass, len(STATUE) / count, 3.0)
+    return level, level.area(count)
+
+
+@pytest.mark.parametrize("schedule", [QUICK, THOROUGH], ids=["quick", "thorough"])
+@pytest.mark.parametrize("count", [200, 600, 1000])
+def test_the_preferences_that_are_found_give_the_number_nearly(count, schedule):
+    level, _ = level_of(count)
+    found = propagate_to_count(level, count, schedule)
+    assert len(found.messages.exemplars) == pytest.approx(count, rel=0.025)
+
+
+def test_messages_that_keep_turning_single_points_have_settled():
+    level, area = level_of(600)
+    early = propagate_once(level, area, Schedule(0.6, 30, 10))
+    assert not early.messages.converged
+    assert settled(level, early)
+    best = propagate_once(level, area, Schedule(0.8, 2000, 10))
+    assert best.messages.converged
+    assert settled(level, best)
+    early, best = (level.net_similarity(area, found.messages.exemplars) for found in (early, best))
+    assert early == pytest.approx(best, rel=1e-3)
+
+
+@pytest.mark.parametrize("iterations", [1, 10, 20])
+def test_messages_that_are_stopped_too_early_have_not_settled(iterations):
+    level, area = level_of(600)
+    early = propagate_once(level, area, Schedule(0.8, iterations, 10))
+    assert len(early.messages.exemplars) >= 1
+    assert not settled(level, early)
+
+
+def test_the_earlier_exemplars_are_those_of_earlier():
+    level, area = level_of(600)
+    early, later = (
+        propagate_once(level, area, Schedule(0.8, most, 10)).messages for most in (25, 35)
+    )
+    assert np.array_equal(later.earlier, early.exemplars)
+    assert not np.array_equal(later.exemplars, early.exemplars)
+    done = propagate_once(level, area, Schedule(0.8, 2000, 10)).messages
+    assert np.array_equal(done.earlier, done.exemplars)
+
+
+def test_net_similarity_is_that_of_the_definition():
+    level, area = level_of(600)
+    chosen = np.arange(0, 2000, 7)
+    expected = net_similarity(level, level.preferences(area), chosen)
+    assert level.net_similarity(area, chosen) == pytest.approx(expected, rel=1e-12)
+
+
+def test_stopped_messages_are_told(monkeypatch):
+    assert simplify(STATUE, count=600).converged
+    monkeypatch.setattr(simplification, "THOROUGH", Schedule(0.8, 5, 10))
+    found = simplify(STATUE, count=600)
+    assert not found.converged
+    assert len(found.chosen) == 600
+
+
+@pytest.mark.parametrize("count", [50.0, np.int32(50), np.float64(50.0)])
+def test_a_whole_number_of_any_type_is_a_count(count):
+    assert np.array_equal(simplify(STATUE, count=count).chosen, simplify(STATUE, count=50).chosen)
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1e160])
+def test_extents_beyond_floats_are_refused(scale):
+    with pytest.raises(GeometryError, match=r"simplification needs points that extend .* units"):
+        simplify(scale * STATUE, count=50)
+
+
 def test_progress_rises_to_1():
     told = []
     simplify(STATUE, count=30, progress=lambda fraction, message: told.append((fraction, message)))
@@ -320,6 +413,10 @@ BAD = {
     "needs a count or a preference, and not both; got count=5": {"count": 5, "preference": -1.0},
     "count must lie between 1 and the 2000 points there are; got 0": {"count": 0},
     "count must lie between 1 and the 2000 points there are; got 2001": {"count": 2001},
+    "count must be a whole number; got 50.5; round it": {"count": 50.5},
+    "count must be a whole number; got nan": {"count": np.nan},
+    "count must be a whole number; got inf": {"count": np.inf},
+    "count must be a whole number; got '50'": {"count": "50"},
     "preference must be below 0, and at least -1e[+]12 squared spacings; got 0": {"preference": 0},
     "preference must be below 0, .* got nan": {"preference": np.nan},
     "detail must lie between 0 and 100; got -1": {"count": 5, "detail": -1.0},

@@ -2,7 +2,12 @@ import numpy as np
 import pytest
 
 from meshlab_symrecon.errors import GeometryError
-from meshlab_symrecon.geometry.bounds import box_diagonal, require_solid, robust_diagonal
+from meshlab_symrecon.geometry.bounds import (
+    box_diagonal,
+    require_extent,
+    require_solid,
+    robust_diagonal,
+)
 
 
 def test_diagonal_of_a_box():
@@ -45,8 +50,17 @@ def test_a_thin_sheet_is_solid(scale):
     require_solid(scale * (sheet + 100.0), "the test")
 
 
-@pytest.mark.parametrize("scale", [1e-200, 1e-61, 1e61, 1e150])
-def test_extents_beyond_floats_are_refused(scale):
-    points = np.random.default_rng(0).random((30, 3)) * 2.0 * scale
-    with pytest.raises(GeometryError, match="change the units"):
-        require_solid(points, "the test")
+@pytest.mark.parametrize("require", [require_extent, require_solid])
+@pytest.mark.parametrize("scale", [1e-200, 1e-61, 1e61, 1e150, 1e308])
+def test_extents_beyond_floats_are_refused(require, scale):
+    points = (np.random.default_rng(0).random((30, 3)) * 2.0 - 1.0) * scale
+    with (
+        np.errstate(all="raise"),
+        pytest.raises(GeometryError, match=r"the test needs points that .*; change the units"),
+    ):
+        require(points, "the test")
+
+
+@pytest.mark.parametrize("extent", [0.0, 1e-60, 1.0, 1e60])
+def test_an_extent_is_enough_without_thickness(extent):
+    require_extent(np.outer([0.0, 1.0], [extent, 0.0, 0.0]), "the test")

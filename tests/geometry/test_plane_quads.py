@@ -28,11 +28,12 @@ def test_a_rectangle_spans_the_box():
     np.testing.assert_allclose(corners.max(axis=0)[1:], points.max(axis=0)[1:])
 
 
-def test_no_plane_is_an_empty_mesh_and_back():
+def test_no_plane_is_an_empty_mesh_which_is_no_layer_of_planes():
     corners, faces = planes_as_quads(np.zeros((0, 4)), fibonacci_sphere(10))
     assert corners.shape == (0, 3)
     assert faces.shape == (0, 3)
-    assert planes_of_pieces(corners, faces).shape == (0, 4)
+    with pytest.raises(GeometryError, match="got a layer of 0 points that has no faces; detect"):
+        planes_of_pieces(corners, faces)
 
 
 def test_a_triangle_drawn_by_hand_is_a_plane():

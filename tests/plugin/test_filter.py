@@ -125,6 +125,31 @@ def test_a_layer_of_another_label(cloud, document, label):
     assert document(replace(cloud, label=label, identifier=4)).newest("planes") is None
 
 
+def test_a_layer_beside_the_current_one_is_the_named_or_the_newest(cloud, document):
+    names = {1: "planes", 2: "planes(1)", 3: "mine", 5: "scan"}
+    layers = document(*(replace(cloud, label=n, identifier=i) for i, n in names.items()))
+    assert layers.beside_current(-1, "planes").identifier == 2
+    assert layers.beside_current(1, "planes").identifier == 1
+    assert layers.beside_current(3, "planes").identifier == 3
+    assert layers.beside_current(-1, "crust") is None
+    with pytest.raises(ParameterError, match="no layer has the number 9"):
+        layers.beside_current(9, "planes")
+    for named in (5, -1):
+        with pytest.raises(GeometryError, match="got layer 5 'scan', which it reads beside"):
+            layers.beside_current(named, "scan")
+
+
+def test_a_required_selection_is_that_of_vertices_or_of_faces(cloud):
+    first = np.array([True, False])
+    assert np.array_equal(replace(cloud, selected=first).required_selection(), first)
+    faces = np.array([[0, 0, 0], [1, 1, 1]])
+    by_face = replace(cloud, faces=faces, face_selected=first)
+    assert np.array_equal(by_face.required_selection(), first)
+    for nothing in (None, np.zeros(2, dtype=bool)):
+        with pytest.raises(GeometryError, match="onlyselected needs a selection; layer 'scan' has"):
+            replace(cloud, selected=nothing).required_selection()
+
+
 def test_citations_as_text():
     paper = Citation("A. Author", "On growth", "Journal", 2001, "10.1/2")
     assert str(paper) == "A. Author (2001). On growth. Journal. doi:10.1/2"
