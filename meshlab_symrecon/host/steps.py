@@ -13,7 +13,12 @@ from meshlab_symrecon.host.meshset import add_layer, check_addable, layers_of
 from meshlab_symrecon.host.native_filters import apply_native, find_native, is_native
 from meshlab_symrecon.host.native_values import parse_native
 from meshlab_symrecon.host.notices import warn_user
-from meshlab_symrecon.host.scalars import NATIVE_STEPS, QUALITY_FUNCTION, check_writable, write_scalars
+from meshlab_symrecon.host.scalars import (
+    NATIVE_STEPS,
+    QUALITY_FUNCTION,
+    check_writable,
+    write_scalars,
+)
 from meshlab_symrecon.plugin import Filter, Outcome, Progress
 from meshlab_symrecon.plugin.filter import silent
 from meshlab_symrecon.plugin.parameters import nearest_names
