@@ -142,11 +142,10 @@ def _legend(view: View, scene: ReportScene) -> list[str]:
         entries.append(_swatch([PLANE]) + "mirror plane")
     if view.deviation_span > 0.0:
         span = f"{view.deviation_span:.3g}"
-        if scene.signed:
-            stops, reach = STOPS, f"from -{span} (inside) to +{span} (outside)"
-        else:
-            stops, reach = UNSIGNED_STOPS, f"from 0 to {span}, inside or outside"
+        signed = f"from -{span} (inside) to +{span} (outside)"
+        reach = signed if scene.signed else f"from 0 to {span}, inside or outside"
         words = escape(f"deviation {reach}, in the file's unit")
+        stops = STOPS if scene.signed else UNSIGNED_STOPS
         entries.append(_swatch([colour for _, colour in stops], " bar") + words)
         entries.append(_swatch([UNKNOWN]) + "nothing to compare with on the other side")
     return [f"<li>{entry}</li>" for entry in entries]

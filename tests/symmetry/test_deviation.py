@@ -193,15 +193,16 @@ def test_what_falls_into_a_hole_has_no_counterpart(kind):
     assert found.median < 1e-4
 
 
-def test_a_single_point_in_a_hole_does_not_close_it():
+def test_a_single_point_in_a_hole_closes_no_more_than_its_surroundings():
     """Its spacing is that of the hole, but is believed up to twice the median only."""
-    points, _ = holed(SPHERE, FACES)
-    lone = np.vstack([points, [[-0.8, 0.6, 0.0]]])
-    found = mirror_deviation(lone, X)
-    angle, spacing = over_the_window(points), 0.05
-    in_ring = (angle > 6.0 * spacing) & (angle < 0.5 - 3.5 * spacing)
-    assert in_ring.sum() > 20
-    assert not found.has_counterpart[:-1][in_ring].any()
+    points = shapes.fibonacci_sphere(20_000)
+    left = points[points @ np.array([-0.8, 0.6, 0.0]) < np.cos(0.5)]
+    found = mirror_deviation(np.vstack([left, [[-0.8, 0.6, 0.0]]]), X)
+    angle, spacing = over_the_window(left), 0.025
+    near, far = angle < 4.0 * spacing, (angle > 5.4 * spacing) & (angle < 0.25)
+    assert found.has_counterpart[:-1][near].all()
+    assert not found.has_counterpart[:-1][far].any()
+    assert min(np.count_nonzero(near), np.count_nonzero(far)) > 20
 
 
 def test_a_cluster_of_points_makes_no_hole():
