@@ -30,6 +30,7 @@ from meshlab_symrecon.symmetry.deviation import (
 
 DEVIATION = "mirror_deviation"
 COUNTERPART = "has_counterpart"
+MIXED = "mixed_quality"  # where some are measured: their distances, and the quality of the others
 MIRRORED = "mirrored"  # the mark that Mirror-Complete Points leaves
 
 UNSIGNED = (
@@ -98,17 +99,11 @@ def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
             "detect planes on this layer, choose another plane, or raise farthest"
         )
         raise GeometryError(message)
-    written = VertexScalars(
-        source.identifier,
-        np.where(chosen, found.distances, 0.0 if source.quality is None else source.quality),
-        DEVIATION,
-        {COUNTERPART: found.has_counterpart.astype(np.float64)},
-    )
     return Outcome(
         current=None,
         measures=_measures(found, chosen, plane),
         warnings=_warnings(source, found),
-        scalars=(written,),
+        scalars=(_written(source, chosen, found),),
     )
 
 
@@ -135,6 +130,15 @@ def _chosen(source: Layer, only_selected: bool) -> Booleans:
     if not only_selected:
         return np.ones(len(source.points), dtype=np.bool_)
     return source.required_selection()
+
+
+def _written(source: Layer, chosen: Booleans, found: MirrorDeviation) -> VertexScalars:
+    """Return the distances as quality; what is not chosen keeps its own, but has no deviation."""
+    kept = {COUNTERPART: found.has_counterpart.astype(np.float64)}
+    if source.quality is None or chosen.all():
+        return VertexScalars(source.identifier, found.distances, DEVIATION, kept)
+    mixed = np.where(chosen, found.distances, source.quality)
+    return VertexScalars(source.identifier, mixed, MIXED, {DEVIATION: found.distances} | kept)
 
 
 def _measures(found: MirrorDeviation, chosen: Booleans, plane: Floats) -> dict[str, object]:
@@ -176,9 +180,10 @@ FILTER = Filter(
         "Where the mirror image falls into a hole, beyond a rim, or on nothing that faces the same "
         "way, there is nothing to compare with: quality is 0 there, and the custom attribute "
         f"`{COUNTERPART}` is 0 instead of 1. The numbers are also kept as the custom attribute "
-        f"`{DEVIATION}`; after a second run the names end in `_2`, and so on. Nothing else of the "
-        "layer changes, and colours stay as they are: colour it with MeshLab's *Colorize by vertex "
-        "Quality* and `zerosym`.\n\n"
+        f"`{DEVIATION}`, 0 where nothing was measured; with `onlyselected`, `{MIXED}` holds them "
+        "beside the quality that the other vertices had, if they had one. After a second run the "
+        "names end in `_2`, and so on. Nothing else of the layer changes, and colours stay as they "
+        "are: colour it with MeshLab's *Colorize by vertex Quality* and `zerosym`.\n\n"
         "Returns, of the vertices with a counterpart, the `median`, the `percentile_95` and the "
         "`rms` of the distances without their signs and the share `within_tolerance`; the share "
         "`without_counterpart`; the `tolerance` in the units of the scan; whether the distances "

@@ -140,6 +140,8 @@ def test_a_second_run_overwrites_the_quality_and_keeps_both_attributes():
     assert np.array_equal(layer.attributes["mirror_deviation"], first)
     assert np.array_equal(layer.attributes["mirror_deviation_2"], layer.quality)
     assert "has_counterpart_2" in layer.attributes
+    assert "has_counterpart_2" in PAGE.read_text(encoding="utf-8")
+    assert "has_counterpart_2" in SCRIPT.read_text(encoding="utf-8")
     assert not np.array_equal(first, layer.quality)
 
 
@@ -154,15 +156,20 @@ def test_only_selected_vertices_are_measured_and_the_others_keep_their_quality()
     quality = mesh_set.mesh(0).vertex_scalar_array()
     assert np.array_equal(quality[chosen], everywhere[chosen])
     assert (quality[~chosen] == 7.0).all()
+    kept = read_layer(mesh_set, 0).attributes
+    assert np.array_equal(kept["mirror_deviation"], np.where(chosen, everywhere, 0.0))
+    assert np.array_equal(kept["has_counterpart"], chosen)
+    assert np.array_equal(kept["mixed_quality"], quality)
+    assert len(kept) == 3
     assert measures["without_counterpart"] == 0.0
     assert measures["median"] == np.median(np.abs(everywhere[chosen]))
     bare = document()
     bare.compute_selection_by_condition_per_face(condselect="fi < 30")
     apply_filter(bare, DEVIATION, onlyselected=True)
-    corners = np.unique(FACES[:30])
-    assert np.array_equal(
-        np.flatnonzero(read_layer(bare, 0).attributes["has_counterpart"]), corners
-    )
+    layer, corners = read_layer(bare, 0), np.unique(FACES[:30])
+    assert np.array_equal(np.flatnonzero(layer.attributes["has_counterpart"]), corners)
+    assert set(layer.attributes) == {"mirror_deviation", "has_counterpart"}  # it had no quality
+    assert np.array_equal(layer.attributes["mirror_deviation"], layer.quality)
     with pytest.raises(GeometryError, match="layer 'scan' has none; select what the"):
         apply_filter(document(), DEVIATION, onlyselected=True)
 

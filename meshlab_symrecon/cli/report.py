@@ -30,7 +30,8 @@ def write_report(path: Path, scan: Path, result: Reconstruction, command: str) -
     from meshlab_symrecon.pictures.report import report_page
 
     deviation = measured_deviation(result)
-    scene = replace(scene_of(result), deviation=deviation.distances)
+    signed = bool(deviation.measures.get("signed", True))
+    scene = replace(scene_of(result), deviation=deviation.distances, signed=signed)
     page = report_page(scene, words_of(scan, result, scene, deviation, command))
     with replacing(path) as staged:
         staged.write_bytes(page.encode("utf-8", "backslashreplace"))

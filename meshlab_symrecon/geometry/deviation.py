@@ -32,7 +32,8 @@ class Facing:
     Attributes
     ----------
     least_cosine : float
-        Between the normal of the surface and the direction at the place.
+        Between the normal of the surface and the direction at the place, 0..1. A zero vector, for
+        what is not known, is at a right angle to everything: it counts only with 0.
     sided : bool
         The normals tell outside from inside; otherwise only their axes are compared.
     within : float
@@ -66,7 +67,7 @@ def heights_over_cloud(
     ----------
     places, directions : (m, 3) float
         What is measured, and the unit normal there; zero where it is not known: then nothing
-        counts.
+        counts, unless ``facing.least_cosine`` is 0.
     points, normals : (n, 3) float
         Samples of the surface and their unit normals.
     facing : Facing
@@ -94,7 +95,7 @@ def heights_over_mesh(
     Parameters
     ----------
     places, directions : (m, 3) float
-        What is measured, and the unit normal there; zero where it is not known.
+        What is measured, and the unit normal there; zero where it is not known, as above.
     mesh : TriangleSurface
         Its triangles counterclockwise seen from outside.
     facing : Facing

@@ -56,7 +56,7 @@ def record(mesh_set: Any, item: Filter, parameters: ParameterSet, native_steps: 
     """Append a step of ours to the history; return False when the history cannot be rewritten.
 
     A history that holds a camera cannot be: the native reader would abort. Ours takes the place of
-    the last ``native_steps``, which were its own means.
+    the last ``native_steps``, which were its own means; those stay where it cannot be rewritten.
     """
     root = _saved(mesh_set)
     if any(element.get("type") == UNREADABLE for element in root.iter("Param")):

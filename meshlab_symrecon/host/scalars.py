@@ -18,9 +18,10 @@ from meshlab_symrecon.host.native_filters import apply_native
 from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.plugin import VertexScalars
 
-__all__ = ["NATIVE_STEPS", "check_writable", "write_scalars"]
+__all__ = ["NATIVE_STEPS", "QUALITY_FUNCTION", "check_writable", "write_scalars"]
 
 PLAIN = re.compile("[a-z][a-z0-9_]*")  # what both MeshLab's formulas and its lists can tell
+QUALITY_FUNCTION = "compute_scalar_by_function_per_vertex"
 NATIVE_STEPS = 1  # that each call of `write_scalars` leaves in the history
 POINT_PREFIX = "__ca_vp__"  # how the options of a PLY file list custom points of vertices
 
@@ -75,7 +76,7 @@ def write_scalars(mesh_set: Any, scalars: VertexScalars) -> None:
             for plain, values in {scalars.name: scalars.quality, **scalars.attributes}.items():
                 numbers = np.array(values, dtype=np.float64)
                 mesh.add_vertex_custom_scalar_attribute(numbers, plain + ending)
-            apply_native(mesh_set, "compute_scalar_by_function_per_vertex", {"q": name})
+            apply_native(mesh_set, QUALITY_FUNCTION, {"q": name})
     finally:
         if current >= 0:
             mesh_set.set_current_mesh(current)

@@ -13,7 +13,12 @@ from meshlab_symrecon.host.meshset import add_layer, check_addable, layers_of
 from meshlab_symrecon.host.native_filters import apply_native, find_native, is_native
 from meshlab_symrecon.host.native_values import parse_native
 from meshlab_symrecon.host.notices import warn_user
-from meshlab_symrecon.host.scalars import NATIVE_STEPS, check_writable, write_scalars
+from meshlab_symrecon.host.scalars import (
+    NATIVE_STEPS,
+    QUALITY_FUNCTION,
+    check_writable,
+    write_scalars,
+)
 from meshlab_symrecon.plugin import Filter, Outcome, Progress
 from meshlab_symrecon.plugin.filter import silent
 from meshlab_symrecon.plugin.parameters import nearest_names
@@ -145,13 +150,21 @@ def run_filter(
     _write(mesh_set, item, outcome)
     native_steps = NATIVE_STEPS * len(outcome.scalars)
     if not history.record(mesh_set, item, parameters, native_steps):
-        warn_user(
-            f"'{item.menu_name}' ran, but is not in the filter history: a step before it holds a "
-            "camera, which MeshLab cannot read back"
-        )
+        warn_user(_unrecorded(item, native_steps))
     for sentence in outcome.warnings:
         warn_user(sentence)
     return dict(outcome.measures)
+
+
+def _unrecorded(item: Filter, native_steps: int) -> str:
+    sentence = (
+        f"'{item.menu_name}' ran, but is not in the filter history: a step before it holds a "
+        "camera, which MeshLab cannot read back"
+    )
+    if not native_steps:
+        return sentence
+    means = find_native(QUALITY_FUNCTION).menu_name
+    return f"{sentence}; in its place is '{means}', by which it wrote the quality"
 
 
 def _write(mesh_set: Any, item: Filter, outcome: Outcome) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshlab_symrecon.arrays import as_scalars
 from meshlab_symrecon.errors import GeometryError, ParameterError
 
-__all__ = ["STOPS", "UNKNOWN", "colour_limit", "deviation_colours"]
+__all__ = ["STOPS", "UNKNOWN", "UNSIGNED_STOPS", "colour_limit", "deviation_colours"]
 
 # Shares of the limit and their sRGB colours; between them colours are mixed.
 STOPS = (
@@ -20,6 +20,7 @@ STOPS = (
     (0.6, (204, 82, 62)),
     (1.0, (136, 16, 32)),
 )
+UNSIGNED_STOPS = tuple(stop for stop in STOPS if stop[0] >= 0.0)  # of distances without sign
 UNKNOWN = (132, 130, 127)  # nothing to compare with
 COMMON = 0.98  # share of the distances that the colours must tell apart
 ROUND = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # numbers that are easily read off a bar

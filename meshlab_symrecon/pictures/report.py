@@ -8,7 +8,7 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
-from meshlab_symrecon.pictures.deviation_colours import STOPS, UNKNOWN
+from meshlab_symrecon.pictures.deviation_colours import STOPS, UNKNOWN, UNSIGNED_STOPS
 from meshlab_symrecon.pictures.report_scene import ReportScene, thinned
 from meshlab_symrecon.pictures.report_stills import Still, draw_stills
 from meshlab_symrecon.pictures.report_traces import plotly_script
@@ -142,8 +142,11 @@ def _legend(view: View, scene: ReportScene) -> list[str]:
         entries.append(_swatch([PLANE]) + "mirror plane")
     if view.deviation_span > 0.0:
         span = f"{view.deviation_span:.3g}"
-        words = f"deviation from -{span} (inside) to +{span} (outside), in the file's unit"
-        entries.append(_swatch([colour for _, colour in STOPS], " bar") + escape(words))
+        signed = f"from -{span} (inside) to +{span} (outside)"
+        reach = signed if scene.signed else f"from 0 to {span}, inside or outside"
+        words = escape(f"deviation {reach}, in the file's unit")
+        stops = STOPS if scene.signed else UNSIGNED_STOPS
+        entries.append(_swatch([colour for _, colour in stops], " bar") + words)
         entries.append(_swatch([UNKNOWN]) + "nothing to compare with on the other side")
     return [f"<li>{entry}</li>" for entry in entries]
 

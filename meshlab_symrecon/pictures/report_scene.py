@@ -40,6 +40,8 @@ class ReportScene:
     deviation : (n,) float or None
         Signed distance of every point of the scan from its mirror image, negative inside; NaN
         where there is nothing to compare with.
+    signed : bool
+        False: inside and outside could not be told, and no deviation is negative.
     """
 
     scan: Points
@@ -52,6 +54,7 @@ class ReportScene:
     scan_normals: Points | None = None
     completed_normals: Points | None = None
     deviation: Floats | None = None
+    signed: bool = True
 
     def camera(self) -> Camera:
         """Return the start view, from the side on which points are missing."""
@@ -104,4 +107,5 @@ def thinned(scene: ReportScene) -> ReportScene:
             None if scene.completed_normals is None else scene.completed_normals[chosen]
         ),
         deviation=None if scene.deviation is None else scene.deviation[kept],
+        signed=scene.signed,
     )

@@ -9,7 +9,12 @@ from typing import Any
 import numpy as np
 
 from meshlab_symrecon.arrays import Floats, Planes
-from meshlab_symrecon.pictures.deviation_colours import STOPS, UNKNOWN, colour_limit
+from meshlab_symrecon.pictures.deviation_colours import (
+    STOPS,
+    UNKNOWN,
+    UNSIGNED_STOPS,
+    colour_limit,
+)
 from meshlab_symrecon.pictures.projection import Camera
 from meshlab_symrecon.pictures.report_drawing import (
     Frame,
@@ -98,8 +103,9 @@ def _add_clouds(stack: Stack, scene: ReportScene, frame: Frame, limit: float) ->
         stack.add("invented", "Invented points", (INVENTED,), cloud)
     if scene.deviation is not None and limit > 0.0:
         known = np.isfinite(scene.deviation)
+        stops = STOPS if scene.signed else UNSIGNED_STOPS
         stack.add(
-            "deviation", "Deviation from the mirror image", tuple(colour for _, colour in STOPS),
+            "deviation", "Deviation from the mirror image", tuple(colour for _, colour in stops),
             deviation_trace(placed[known], scene.deviation[known], limit),
             cloud_trace(placed[~known], light[~known], UNKNOWN),
         )  # fmt: skip

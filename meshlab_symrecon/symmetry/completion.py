@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,10 +29,10 @@ from meshlab_symrecon.symmetry.copying import off_lopsided_plinth, on_surface, s
 from meshlab_symrecon.symmetry.filling import Surroundings, any_missing, fill, part, surroundings
 from meshlab_symrecon.symmetry.open_rims import open_rims
 from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
+from meshlab_symrecon.symmetry.progress import Progress
 
 __all__ = ["BLEND", "GAP", "CompletedPoints", "mirror_complete"]
 
-Progress: TypeAlias = Callable[[float, str], None]
 
 GAP = 1.0  # local spacings: nearer mirror images add nothing to what was measured
 BLEND = 0.25  # diagonals: how far the offset seen at the seam is carried at most

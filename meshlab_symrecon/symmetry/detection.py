@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +17,7 @@ from meshlab_symrecon.symmetry.confidence import believable
 from meshlab_symrecon.symmetry.exemplars import choose_exemplars
 from meshlab_symrecon.symmetry.judgement import judge, judge_again, judge_drawn
 from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
+from meshlab_symrecon.symmetry.progress import Progress, silent
 from meshlab_symrecon.symmetry.verification import Evidence
 
 __all__ = [
@@ -30,8 +29,6 @@ __all__ = [
     "refine_reflection_planes",
     "verified_planes",
 ]
-
-Progress: TypeAlias = Callable[[float, str], None]
 
 MOST_CANDIDATES = 30_000  # votes that are clustered
 
@@ -242,7 +239,7 @@ def _search(
 ) -> tuple[PreparedCloud, Planes, bool]:
     """Return the prepared cloud, exemplars among its candidate planes, and their convergence."""
     rng = np.random.default_rng(0) if rng is None else rng
-    report = _silent if progress is None else progress
+    report = progress or silent
     report(0.0, "preparing the cloud")
     cloud = _prepared(points, normals, plinth=False)
     report(0.35, "collecting votes of point pairs")
@@ -256,7 +253,3 @@ def _search(
 def _report_end(progress: Progress | None, count: int) -> None:
     if progress is not None:
         progress(1.0, f"{count} planes verified")
-
-
-def _silent(fraction: float, message: str) -> None:
-    """Report nothing."""

@@ -21,7 +21,7 @@ from meshlab_symrecon.arrays import (
     as_points,
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
-from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
+from meshlab_symrecon.geometry.bounds import box_diagonal, require_solid, robust_diagonal
 from meshlab_symrecon.geometry.deviation import (
     Facing,
     Heights,
@@ -34,14 +34,13 @@ from meshlab_symrecon.geometry.mesh_edges import welded, winding_conflicts
 from meshlab_symrecon.geometry.places import distinct_places
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions
 from meshlab_symrecon.geometry.sampling import principal_frame
-from meshlab_symrecon.geometry.surfaces import enclosed_volume, topology
+from meshlab_symrecon.geometry.surfaces import enclosed_volume, face_normals, topology
+from meshlab_symrecon.symmetry.progress import Progress, silent
 from meshlab_symrecon.symmetry.sides import CONSISTENT, agreement_with_shape, outward_normals
 
 __all__ = ["FARTHEST", "TOLERANCE", "MirrorDeviation", "mirror_deviation"]
 
-Progress: TypeAlias = Callable[[float, str], None]
-
-# Lengths are in diagonals of the scan.
+# Lengths are in diagonals of the scan, areas in their squares.
 TOLERANCE = 0.005  # what counts as symmetric
 FARTHEST = 0.05  # a surface farther from the mirror image is another part, not its counterpart
 FACING = 0.5  # cosine of 60 degrees, between normals that face the same way
@@ -50,6 +49,7 @@ SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is be
 RIM_REACH = 0.005  # off to the side of the border of a mesh, an image is over a hole
 FEW_CONFLICTS = 0.02  # share of edges of a mesh whose faces may contradict each other
 SLANT = 0.36  # tangent of 20 degrees: farther from the surface, that much more to the side
+LEAST_AREA = 1e-14  # twice: below it, the area of a triangle is rounding
 STEEP_SLANT = 1.73  # tangent of 60 degrees: over an edge of a mesh, places lie off to its side
 
 
@@ -111,23 +111,22 @@ def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
     Raises
     ------
     GeometryError
-        Arrays of the wrong shape, values that are not finite, or points in one plane.
+        Arrays of the wrong shape, values that are not finite, points in one plane, or faces none
+        of which has an area.
     ParameterError
         ``tolerance`` or ``farthest`` not positive.
     """
-    for name, value in (("tolerance", tolerance), ("farthest", farthest)):
-        if not (np.isfinite(value) and value > 0.0):
-            message = f"{name} must be a positive share of the diagonal; got {value!r}; use 0.005"
-            raise ParameterError(message)
+    _check_share(tolerance, "tolerance", TOLERANCE)
+    _check_share(farthest, "farthest", FARTHEST)
     scan = as_points(points)
     require_solid(scan, "mirror deviation")
-    mirror = as_planes(np.asarray(plane)[np.newaxis])[0]
+    mirror = _mirror(plane)
     triangles = as_faces(np.zeros((0, 3)) if faces is None else faces, len(scan))
     hints = None if normals is None else as_normals(normals, len(scan))
     everything = np.ones(len(scan), dtype=np.bool_)
     rows = _rows(everything if chosen is None else chosen, len(scan))
 
-    report = progress or _silent
+    report = progress or silent
     report(0.0, "looking at the surface")
     framed, frame = _in_own_frame(scan)
     if len(triangles):
@@ -142,6 +141,20 @@ def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
     has_counterpart[rows] = counterpart
     report(1.0, "measured")
     return _summed(distances, has_counterpart, tolerance * frame.diagonal, signed)
+
+
+def _check_share(value: float, name: str, default: float) -> None:
+    if not (np.isfinite(value) and value > 0.0):
+        message = f"{name} must be a positive share of the diagonal; got {value!r}; use {default}"
+        raise ParameterError(message)
+
+
+def _mirror(plane: ArrayLike) -> Floats:
+    planes = as_planes(np.asarray(plane)[np.newaxis])
+    if len(planes) != 1:
+        raise GeometryError("plane must be four numbers A, B, C, D; got none; detect planes first")
+    mirror: Floats = planes[0]
+    return mirror
 
 
 _Measured: TypeAlias = tuple[Floats, Booleans, bool]  # heights, which of them count, are signed
@@ -165,12 +178,8 @@ def _in_own_frame(scan: Points) -> tuple[Points, _Frame]:
     centre, axes = principal_frame(scan)
     axes[2] *= np.sign(np.linalg.det(axes))
     turned = (scan - centre) @ axes.T
-    diagonal = robust_diagonal(turned)
+    diagonal = robust_diagonal(turned) or box_diagonal(turned)  # 0: nearly all in one place
     return turned / diagonal, _Frame(centre, axes, diagonal)
-
-
-def _silent(fraction: float, message: str) -> None:
-    """Report progress to nobody."""
 
 
 def _rows(chosen: ArrayLike, count: int) -> Indices:
@@ -212,6 +221,12 @@ def _over_mesh(
 ) -> Callable[[Indices, Floats], _Measured]:
     """Return what measures vertices of a mesh against its mirror image across a plane."""
     faces, vertex = joined
+    if np.linalg.norm(face_normals(points, faces), axis=1).max(initial=0.0) < LEAST_AREA:
+        message = (
+            "mirror deviation needs faces with an area; got none, once vertices that coincide are "
+            "joined; leave the faces out to measure the points as a cloud"
+        )
+        raise GeometryError(message)
     surface = TriangleSurface(points, faces)
     outwards = _winding(points, surface.vertex_normals, faces)
     sided = outwards != 0

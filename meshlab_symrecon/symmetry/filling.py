@@ -30,6 +30,7 @@ FIELD_CELLS = 500_000
 PATCH_REACH = 2.0  # spacings between neighbours in a patch
 PATCH_NEIGHBOURS = 8
 NORMAL_NEIGHBOURS = 16
+CONSISTENT = 0.9  # share of the points whose normal faces as that of the nearest point does
 FITTED = 60_000  # points to which normals are fitted
 
 
@@ -58,15 +59,17 @@ class Surroundings:
 def surroundings(points: Points, normals: Points | None, diagonal: float) -> Surroundings:
     """Look up the neighbourhood of every point (n, 3), n at least 2, along a space-filling curve.
 
-    Where no normals (n, 3) are given, planes are fitted. The diagonal is that of the scan.
+    Where no normals (n, 3) are given, or where neighbours contradict each other, planes are
+    fitted. The diagonal is that of the scan.
     """
     tree = cKDTree(points)
     distances, nearest = tree.query(points, k=min(NEIGHBOURS + 1, len(points)))
     spacing = distances[:, 1 : SPACING_NEIGHBOURS + 1].mean(axis=1)
+    given = None if normals is None else _consistent(normals, nearest)
     return Surroundings(
         points=points,
-        directions=_fitted(points) if normals is None else _unit(normals),
-        outward=normals is not None,
+        directions=_fitted(points) if given is None else given,
+        outward=given is not None,
         field=_field(points, diagonal),
         distances=distances[:, 1:],
         nearest=nearest[:, 1:],
@@ -78,6 +81,13 @@ def surroundings(points: Points, normals: Points | None, diagonal: float) -> Sur
 
 def _field(points: Points, diagonal: float) -> NearestField:
     return nearest_field(points, FIELD_CELL * diagonal, FIELD_MARGIN * diagonal, FIELD_CELLS)
+
+
+def _consistent(normals: Points, nearest: Indices) -> Points | None:
+    """Return unit normals, or None when they do not tell one side of the surface from the other."""
+    unit = _unit(normals)
+    agreement = np.einsum("ni,ni->n", unit, unit[nearest[:, 1]])
+    return unit if (agreement > 0.0).mean() >= CONSISTENT else None
 
 
 def _unit(normals: Points) -> Points:

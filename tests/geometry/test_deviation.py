@@ -161,6 +161,19 @@ def test_of_two_sheets_the_one_that_faces_the_same_way_is_measured():
     assert (nothing.nearest == -1).all()
     unknown = heights_over_cloud(places, 0.0 * up, points, normals, Facing(1e-9))
     assert (unknown.nearest == -1).all()
+    anyhow = heights_over_cloud(places, 0.0 * up, points, normals, Facing(0.0))
+    assert np.array_equal(anyhow.nearest, lower.nearest)
+
+
+@pytest.mark.parametrize(("least_cosine", "counts"), [(0.0, True), (1e-9, False)])
+def test_over_a_mesh_too_an_unknown_direction_counts_only_where_every_one_does(
+    least_cosine, counts
+):
+    places = np.random.default_rng(3).uniform(-2.0, 2.0, (50, 3))
+    found = heights_over_mesh(places, np.zeros_like(places), CUBOID, Facing(least_cosine))
+    assert ((found.nearest >= 0) == counts).all()
+    expected = signed_distance_to_cube(places) if counts else np.zeros(len(places))
+    np.testing.assert_allclose(found.heights, expected, atol=1e-14)
 
 
 def test_a_cloud_is_measured_to_second_order_in_its_spacing():

@@ -143,9 +143,24 @@ def test_the_history_shows_the_step_once_and_not_its_means(install, cloud_set, g
 def test_with_a_camera_in_the_history_the_step_runs_all_the_same(install, cloud_set, grow_filter):
     install(writer(grow_filter, scalars()))
     cloud_set.set_camera_per_mesh()
-    with pytest.warns(SymReconWarning, match="ran, but is not in the filter history"):
+    words = "is not in the filter history.*; in its place is 'Per Vertex Quality Function', by"
+    with pytest.warns(SymReconWarning, match=words):
         apply_filter(cloud_set, "grow_points")
     assert bits(cloud_set.mesh(0).vertex_scalar_array()) == bits(AWKWARD)
+    steps = read_history(cloud_set)
+    assert len(steps) == 2
+    assert steps[1].menu_name == "Per Vertex Quality Function"
+    assert steps[1].texts["q"] == "made_up"
+
+
+def test_a_step_that_writes_no_scalars_leaves_nothing_beside_a_camera(
+    install, cloud_set, grow_filter
+):
+    install(grow_filter)
+    cloud_set.set_camera_per_mesh()
+    with pytest.warns(SymReconWarning, match="MeshLab cannot read back$"):
+        apply_filter(cloud_set, "grow_points")
+    assert len(read_history(cloud_set)) == 1
 
 
 def test_layers_and_scalars_are_written_all_or_none(install, cloud_set, grow_filter, points):

@@ -14,7 +14,12 @@ import pytest
 
 from meshlab_symrecon.errors import SymReconError
 from meshlab_symrecon.pictures import report_scene, report_stills
-from meshlab_symrecon.pictures.deviation_colours import STOPS, UNKNOWN, colour_limit
+from meshlab_symrecon.pictures.deviation_colours import (
+    STOPS,
+    UNKNOWN,
+    UNSIGNED_STOPS,
+    colour_limit,
+)
 from meshlab_symrecon.pictures.report import Listing, ReportWords, Section, Table, report_page
 from meshlab_symrecon.pictures.report_drawing import (
     DIMMEST,
@@ -251,6 +256,22 @@ def test_deviations_are_a_layer_of_their_own(scene):
     for (place, colour), stop in zip(STOPS, layer["marker"]["colorscale"], strict=True):
         assert 2.0 * stop[0] - 1.0 == pytest.approx(place)
         assert stop[1] == f"rgb{colour}".replace(" ", "")
+
+
+@pytest.mark.parametrize("signed", [True, False])
+def test_the_legend_tells_inside_from_outside_where_it_is_known(scene, small, signed):
+    deviation = np.abs(np.linspace(-2.0, 2.0, len(scene.scan)))
+    measured = replace(scene, deviation=deviation, signed=signed)
+    page = report_page(measured, WORDS)
+    text = " ".join(Reader(page).text)
+    assert ("deviation from -2 (inside) to +2 (outside), in the file's unit" in text) is signed
+    assert ("deviation from 0 to 2, inside or outside, in the file's unit" in text) is not signed
+    (layer,) = [layer for layer in draw_view(measured).layers if layer.name == "deviation"]
+    stops = STOPS if signed else UNSIGNED_STOPS
+    assert layer.colours == tuple(colour for _, colour in stops)
+    deepest_blue = "#{:02x}{:02x}{:02x}".format(*STOPS[0][1])
+    assert page.count(deepest_blue) == (2 if signed else 0)  # the switch and the legend
+    assert thinned(measured).signed is signed
 
 
 def test_without_a_counterpart_there_is_no_layer(scene):

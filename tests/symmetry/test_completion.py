@@ -295,3 +295,31 @@ def test_the_least_blend_moves_nothing_far(statue):
     least = mirror_complete(statue, PLANE, blend=1e-320)
     assert np.isfinite(least.points).all()
     assert least.mirrored.sum() > 300
+
+
+@pytest.mark.parametrize("kind", ["zero", "random"])
+def test_normals_that_contradict_each_other_count_as_none(scan, kind):
+    signs = np.random.default_rng(4).choice([-1.0, 1.0], (len(scan), 1))
+    normals = scan * (0.0 if kind == "zero" else signs)
+    found = mirror_complete(scan, PLANE, normals)
+    bare = mirror_complete(scan, PLANE)
+    assert np.array_equal(found.points, bare.points)
+    assert np.array_equal(found.source, bare.source)
+    assert len(found.normals) == len(found.points)
+
+
+def test_a_limb_beside_the_plane_does_not_pair_with_its_own_image():
+    """Two legs under a body; most of one is missing, and the other one's image lies near it."""
+    rng = np.random.default_rng(6)
+    body = sphere(6_000) * [0.6, 0.35, 0.35]
+    turn, height = rng.uniform(0.0, 2.0 * np.pi, 3_000), rng.uniform(-1.5, -0.3, 3_000)
+    leg = np.stack([0.16 + 0.11 * np.cos(turn), 0.11 * np.sin(turn), height], axis=1)
+    whole = np.vstack([body, leg, leg * [-1.0, 1.0, 1.0]])
+    missing = (whole[:, 0] > 0.0) & (whole[:, 2] < -0.6)
+    found = mirror_complete(whole[~missing], PLANE)
+    plain = mirror_complete(whole[~missing], PLANE, blend=0.0)
+    off = cKDTree(found.points).query(whole[missing])[0]
+    assert np.quantile(off, 0.99) < 1.5 * np.quantile(
+        cKDTree(plain.points).query(whole[missing])[0], 0.99
+    )
+    assert np.abs(found.mirrored.sum() / missing.sum() - 1.0) < 0.15

@@ -123,6 +123,36 @@ def test_a_few_turned_faces_take_no_sign_away():
     assert found.distances[-2:] == pytest.approx([HEIGHT, -HEIGHT], abs=SAGITTA)
 
 
+@pytest.mark.parametrize("inward", [False, True], ids=["outward", "inward"])
+def test_an_open_mesh_that_faces_inwards_is_turned_round(inward):
+    upper = FACES[(BUMPED[FACES][:, :, 1] > -0.3).all(axis=1)]  # the bump lies in its middle
+    found = mirror_deviation(BUMPED, X, upper[:, ::-1] if inward else upper)
+    assert found.signed
+    assert found.distances[-2:] == pytest.approx([HEIGHT, -HEIGHT], abs=SAGITTA)
+
+
+def test_the_seams_of_a_texture_are_no_borders():
+    """Every triangle has corners of its own, as if a texture were cut along every edge."""
+    torn, corners = BUMPED[FACES.ravel()], np.arange(FACES.size).reshape(-1, 3)
+    whole, found = mirror_deviation(BUMPED, X, FACES), mirror_deviation(torn, X, corners)
+    np.testing.assert_allclose(found.distances, whole.distances[FACES.ravel()], atol=1e-12)
+    assert found.has_counterpart.all()
+
+
+def test_over_an_edge_places_may_lie_far_to_its_side():
+    """The wide end of a frustum: its corners lie over the edges of the narrow end, at 45 degrees.
+
+    They are over the plane of one face and beside that of the other.
+    """
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+    frustum = signs * np.column_stack([np.ones(8), 1.05 + 0.05 * signs[:, 0], np.ones(8)])
+    found = mirror_deviation(frustum, X, hull_mesh(frustum))
+    assert found.has_counterpart.all()
+    wide = signs[:, 0] > 0.0
+    np.testing.assert_allclose(found.distances[wide], 0.1 / np.hypot(1.0, 0.05), atol=1e-14)
+    np.testing.assert_allclose(found.distances[~wide], 0.0, atol=1e-14)
+
+
 def test_a_flat_relief_without_normals_gives_distances_without_sign():
     flat = np.stack(np.meshgrid(*[np.linspace(-1, 1, 61)] * 2), -1).reshape(-1, 2)
     height = 0.05 * np.exp(-(((flat - [0.5, 0.0]) / 0.2) ** 2).sum(axis=1))
@@ -161,6 +191,31 @@ def test_what_falls_into_a_hole_has_no_counterpart(kind):
     assert not found.distances[~found.has_counterpart].any()
     assert np.abs(found.distances).max() < (0.5 * (3.5 * spacing) ** 2)  # of beyond the rim
     assert found.median < 1e-4
+
+
+def test_a_single_point_in_a_hole_closes_no_more_than_its_surroundings():
+    """Its spacing is that of the hole, but is believed up to twice the median only."""
+    points = shapes.fibonacci_sphere(20_000)
+    left = points[points @ np.array([-0.8, 0.6, 0.0]) < np.cos(0.5)]
+    found = mirror_deviation(np.vstack([left, [[-0.8, 0.6, 0.0]]]), X)
+    angle, spacing = over_the_window(left), 0.025
+    near, far = angle < 4.0 * spacing, (angle > 5.4 * spacing) & (angle < 0.25)
+    assert found.has_counterpart[:-1][near].all()
+    assert not found.has_counterpart[:-1][far].any()
+    assert min(np.count_nonzero(near), np.count_nonzero(far)) > 20
+
+
+def test_a_cluster_of_points_makes_no_hole():
+    """The spacing in it is a thousandth of the others', but half the median is believed."""
+    points = shapes.fibonacci_sphere(3000)
+    around = np.random.default_rng(0).normal(size=(60, 3)) * 1e-4 + [-1.0, 0.0, 0.0]
+    cluster = around / np.linalg.norm(around, axis=1)[:, None]
+    turns = np.linspace(0.0, 2.0 * np.pi, 9)
+    ring = np.column_stack([np.ones(9), 0.03 * np.cos(turns), 0.03 * np.sin(turns)])
+    opposite = ring / np.linalg.norm(ring, axis=1)[:, None]
+    found = mirror_deviation(np.concatenate([points, cluster, opposite]), X)
+    assert found.has_counterpart[-9:].all()
+    np.testing.assert_allclose(found.distances[-9:], 0.0, atol=1e-3)
 
 
 def test_a_part_that_is_missing_on_the_other_side_is_not_wear():
@@ -250,6 +305,14 @@ def test_chosen_points_are_measured_against_all():
     assert some.median == np.median(np.abs(everything.distances[chosen]))
 
 
+def test_a_cloud_that_is_nearly_all_in_one_place_has_the_size_of_its_box():
+    heap = np.zeros((2000, 3))
+    found = mirror_deviation(np.concatenate([heap, np.eye(3), -np.eye(3)]), X, tolerance=0.01)
+    assert found.tolerance == pytest.approx(0.01 * 2.0 * np.sqrt(3.0))
+    assert found.has_counterpart.all()
+    assert not found.distances.any()
+
+
 def test_vertices_without_a_face_have_no_counterpart():
     points = np.vstack([BUMPED, [[0.0, 0.0, 0.0]]])
     found = mirror_deviation(points, X, FACES)
@@ -277,11 +340,20 @@ def test_nothing_of_the_input_is_changed():
     assert (BUMPED.tobytes(), FACES.tobytes(), SPHERE.tobytes()) == kept
 
 
+IN_LINE = np.vstack([np.outer([0.1, 0.2, 0.7], [1.0, 0.3, 0.9]), SPHERE])  # the first three
+
+
 @pytest.mark.parametrize(
     ("values", "error", "words"),
     [
         ({"tolerance": 0.0}, ParameterError, "tolerance must be a positive share"),
+        ({"tolerance": -1.0}, ParameterError, "use 0.005$"),
         ({"farthest": np.nan}, ParameterError, "farthest must be a positive share"),
+        ({"farthest": 0.0}, ParameterError, "use 0.05$"),
+        ({"plane": []}, GeometryError, "plane must be four numbers"),
+        ({"plane": 1.0}, GeometryError, "planes must have shape"),
+        ({"faces": [[0, 0, 1], [2, 2, 2]]}, GeometryError, "needs faces with an area"),
+        ({"points": IN_LINE, "faces": [[0, 1, 2]]}, GeometryError, "needs faces with an area"),
         ({"plane": [0.0, 0.0, 0.0, 1.0]}, GeometryError, "need a normal"),
         ({"plane": [X, X]}, GeometryError, "planes must have shape"),
         ({"points": np.eye(3)}, GeometryError, "mirror deviation needs at least"),

@@ -4,7 +4,7 @@ import shapes
 from symmetry.bodies import even_sphere, vase
 
 from meshlab_symrecon.geometry.local_planes import local_planes
-from meshlab_symrecon.symmetry.sides import agreement_with_shape, outward_normals
+from meshlab_symrecon.symmetry.sides import _from_base, agreement_with_shape, outward_normals
 
 BALL = 0.5 / 3**0.5 * even_sphere(3_000)
 OUTWARD = even_sphere(3_000)
@@ -36,6 +36,18 @@ def test_sides_are_carried_to_where_the_shape_does_not_tell():
     walls = slice(0, 2 * len(bowl))
     right = np.einsum("ij,ij->i", normals[walls], true[walls]) > 0.0
     assert right.mean() > 0.97
+
+
+def test_of_two_thin_sheets_the_one_that_the_point_lies_on_tells_its_side():
+    """They are a fifth as far from each other as their base points: the nearest may be beyond."""
+    flat = np.stack(np.meshgrid(*[np.arange(0.0, 1.0, 0.01)] * 2), -1).reshape(-1, 2)
+    sparse = np.stack(np.meshgrid(*[np.arange(0.0, 1.0, 0.05)] * 2), -1).reshape(-1, 2)
+    up = np.array([0.0, 0.0, 1.0])
+    points = np.concatenate([np.insert(flat, 2, height, axis=1) for height in (0.0, 0.01)])
+    places = np.vstack([np.insert(sparse, 2, 0.0, 1), np.insert(sparse + 0.025, 2, 0.01, 1)])
+    true, known = (np.repeat([-up, up], len(rows), axis=0) for rows in (flat, sparse))
+    turned = _from_base(points, turned_at_random(true), (places, known))
+    assert np.array_equal(turned, true)
 
 
 def test_given_normals_decide_on_a_flat_sheet_and_without_them_nothing_does():
