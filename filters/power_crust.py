@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from meshlab_symrecon.arrays import Floats
+from meshlab_symrecon.errors import GeometryError
 from meshlab_symrecon.plugin import (
     Citation,
     Filter,
@@ -26,6 +28,7 @@ from meshlab_symrecon.provenance import paint_by_share
 
 LABEL = "power crust"
 AXIS_LABEL = "medial axis"
+MIRRORED = "mirrored"  # the scalar that a completion leaves
 AUTOMATIC = -1.0
 HULL_WARNING = (
     "the points are too few or too flat to tell inside from outside, "
@@ -151,8 +154,29 @@ def _surface(source: Layer, crust: PowerCrust, *, paint: bool) -> Layer:
         for values in (source.quality, source.colours)
     )
     if paint:
-        colours = paint_by_share(np.zeros(len(crust.points)) if quality is None else quality)
+        colours = paint_by_share(carry_over(source.points, _shares(source), crust.points))
     return Layer(crust.points, crust.faces, label=LABEL, colours=colours, quality=quality)
+
+
+def _shares(source: Layer) -> Floats:
+    """Return which points were invented: as a completion has marked them, or else by quality.
+
+    Raises
+    ------
+    GeometryError
+        Nothing tells, since quality is something else.
+    """
+    shares = source.attributes.get(MIRRORED, source.quality)
+    if shares is None:
+        return np.zeros(len(source.points))
+    if not ((shares >= 0.0) & (shares <= 1.0)).all():
+        message = (
+            f"paint needs quality from 0 (measured) to 1 (mirrored) in layer '{source.label}'; got "
+            f"{float(shares.min()):.3g} to {float(shares.max()):.3g}; leave paint out, or complete "
+            "the scan first"
+        )
+        raise GeometryError(message)
+    return np.asarray(shares, dtype=np.float64)
 
 
 FILTER = Filter(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapes
@@ -15,6 +17,7 @@ from meshlab_symrecon.filters import mirror_completed_points, power_crust
 from meshlab_symrecon.geometry.plane_quads import PLANES_LABEL, planes_as_quads
 from meshlab_symrecon.geometry.planes import reflect
 from meshlab_symrecon.plugin import Layer, Layers
+from meshlab_symrecon.provenance import paint_by_share
 
 NO_FACES = np.zeros((0, 3), dtype=np.int64)
 X, Y = np.array([1.0, 0, 0, 0]), np.array([0, 1.0, 0, 0])
@@ -258,3 +261,18 @@ def test_a_handful_of_points_gets_its_hull_and_a_warning():
     assert outcome.warnings == (power_crust.HULL_WARNING,)
     assert outcome.measures["closed"]
     assert len(outcome.layers[0].points) == 8
+
+
+def test_paint_goes_by_what_a_completion_has_marked():
+    share = (SPHERE[:, 0] > 0.0).astype(float)
+    marked = replace(scan(SPHERE, quality=SPHERE[:, 2]), attributes={"mirrored": share})
+    (painted,) = power_crust.FILTER.apply(document(marked), {"paint": True}).layers
+    clear = np.abs(painted.points[:, 0]) > 0.2
+    expected = paint_by_share((painted.points[clear, 0] > 0.0).astype(float))
+    np.testing.assert_allclose(painted.colours[clear], expected, atol=1e-12)
+    with pytest.raises(GeometryError, match="paint needs quality from 0"):
+        power_crust.FILTER.apply(document(scan(SPHERE, quality=SPHERE[:, 2])), {"paint": True})
+    (bare,) = power_crust.FILTER.apply(document(scan(SPHERE)), {"paint": True}).layers
+    np.testing.assert_allclose(
+        bare.colours, np.tile(paint_by_share(np.zeros(1)), (len(bare.points), 1))
+    )
