@@ -87,7 +87,9 @@ def reconstructed(case: Case) -> Mesh:
         cloud(case.points).save_current_mesh(str(path))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SymReconWarning)
-            return current(whole_method(path, 0, lambda fraction, message: None).mesh_set)
+            return current(
+                whole_method(path, {"randomseed": 0}, lambda fraction, message: None).mesh_set
+            )
 
 
 def power_crust(case: Case) -> Mesh:

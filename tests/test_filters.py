@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import shapes
@@ -265,7 +263,7 @@ def test_a_handful_of_points_gets_its_hull_and_a_warning():
 
 def test_paint_goes_by_what_a_completion_has_marked():
     share = (SPHERE[:, 0] > 0.0).astype(float)
-    marked = replace(scan(SPHERE, quality=SPHERE[:, 2]), attributes={"mirrored": share})
+    marked = dataclasses.replace(scan(SPHERE, quality=SPHERE[:, 2]), attributes={"mirrored": share})
     (painted,) = power_crust.FILTER.apply(document(marked), {"paint": True}).layers
     clear = np.abs(painted.points[:, 0]) > 0.2
     expected = paint_by_share((painted.points[clear, 0] > 0.0).astype(float))

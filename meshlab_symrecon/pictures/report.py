@@ -112,7 +112,8 @@ def _view_note(view: View, drawn: ReportScene, scene: ReportScene) -> str:
     less = [f"{some:,} of {all_:,} {what}" for some, all_, what in parts if some < all_]
     note = f"To stay light, the view shows {_listed(less)}. " if less else ""
     origin = ", ".join(f"{number:.7g}" for number in view.frame.origin)
-    return f"{note}It is turned so that the mirror plane stands upright, about the point ({origin}) of the file."
+    about = f"about the point ({origin}) of the file"
+    return f"{note}It is turned so that the mirror plane stands upright, {about}."
 
 
 def _listed(items: Sequence[str]) -> str:
