@@ -18,10 +18,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from meshlab_symrecon.cli import deviation as measuring
 from meshlab_symrecon.cli import reconstruct as command
 from meshlab_symrecon.cli.deviation import DEVIATION, Deviation, measured_deviation
 from meshlab_symrecon.cli.method import PLANES, SCAN, noted, parameters_as_run, whole_method
-from meshlab_symrecon.cli.report import scene_of
+from meshlab_symrecon.cli.report import scene_of, write_report
 from meshlab_symrecon.cli.report_tables import _value, percent, rounded
 from meshlab_symrecon.cli.report_words import words_of
 from meshlab_symrecon.errors import FileError, GeometryError, SymReconWarning
@@ -225,6 +226,19 @@ def test_the_deviation_is_that_of_the_filter_and_changes_nothing(made, result):
     assert sentence is not None
     assert 0.0 < float(sentence[1]) < 0.05  # of a bust of size 3
     assert 'id="show-deviation"' in made.page
+
+
+def test_a_deviation_without_sign_is_shown_without(statue, result, tmp_path, monkeypatch):
+    found = measured_deviation(result)
+    texts = []
+    for signed in (True, False):
+        distances = found.distances if signed else np.abs(found.distances)
+        made_up = Deviation(distances, {**found.measures, "signed": signed}, found.steps)
+        monkeypatch.setattr(measuring, "measured_deviation", lambda _, deviation=made_up: deviation)
+        write_report(tmp_path / "r.html", statue, result, "symrecon")
+        texts.append(shown((tmp_path / "r.html").read_text(encoding="utf-8")))
+    assert ["(inside) to +" in text for text in texts] == [True, False]
+    assert ["deviation from 0 to" in text for text in texts] == [False, True]
 
 
 def test_a_deviation_that_cannot_be_measured_is_said(result, statue):
