@@ -174,7 +174,7 @@ def test_an_empty_cloud(run, sheet, tmp_path):
 
 def test_the_planes_as_the_current_layer(run, sheet, statue, tmp_path):
     said = refused(run, tmp_path, statue, sheet())
-    assert "the scan must be the current layer; got the planes layer" in said
+    assert "needs the scan as the current layer; got layer" in said
 
 
 def test_a_plane_that_misses_the_scan(run, sheet, statue, tmp_path):
@@ -203,7 +203,7 @@ def test_a_plane_number_that_is_too_high(run, sheet, statue, tmp_path):
 
 def test_onlyselected_without_a_selection(run, sheet, statue, tmp_path):
     said = refused(run, tmp_path, sheet(), statue, options=("--onlyselected", "true"))
-    assert "with onlyselected, points of layer" in said
+    assert "onlyselected needs a selection; layer" in said
     assert "got none; select what may be mirrored" in said
 
 
