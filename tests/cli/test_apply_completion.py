@@ -204,7 +204,7 @@ def test_a_plane_number_that_is_too_high(run, sheet, statue, tmp_path):
 def test_onlyselected_without_a_selection(run, sheet, statue, tmp_path):
     said = refused(run, tmp_path, sheet(), statue, options=("--onlyselected", "true"))
     assert "onlyselected needs a selection; layer" in said
-    assert "got none; select what may be mirrored" in said
+    assert "has none; select what the filter shall look at" in said
 
 
 @pytest.mark.parametrize("copies", [2, 100])
