@@ -121,7 +121,8 @@ def test_a_drawn_plane_is_refined_on_files(run, statue, tmp_path, plane):
     wrong = run("apply", "detect_reflection_planes", statue, drawn, "-o", tmp_path / "a.ply",
                 "--refine", "true", "--planes", "1")  # fmt: skip
     assert wrong.exit_code == 1
-    assert "got layer 1 'drawn.ply', which it reads beside the scan" in " ".join(wrong.stderr.split())
+    said = " ".join(wrong.stderr.split())
+    assert "got layer 1 'drawn.ply', which it reads beside the scan" in said
     assert not (tmp_path / "a.ply").exists()
 
 
