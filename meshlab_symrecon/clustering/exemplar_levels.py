@@ -105,7 +105,7 @@ class Level:
         No point can be more than one exemplar.
         """
         asked = self.detail / self.density
-        low, high = asked.min() * 1e-3, asked.sum()
+        low, high = float(asked.min()) * 1e-3, float(asked.sum())
         for _ in range(BISECTIONS):
             middle = float(np.sqrt(low * high))
             enough = np.minimum(1.0, asked / middle).sum() > count

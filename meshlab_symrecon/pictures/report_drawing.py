@@ -139,7 +139,7 @@ def _cells(points: Points, most: int) -> tuple[Indices, int]:
     """Label points with the occupied cells of a cubic grid, of which there are at most ``most``."""
     low = points.min(axis=0)
     size = float(np.linalg.norm(np.ptp(points, axis=0))) / np.sqrt(most)
-    best = np.zeros(len(points), dtype=np.int64), 1
+    best: tuple[Indices, int] = np.zeros(len(points), dtype=np.int64), 1
     if not size > 0.0:
         return best
     for _ in range(ROUNDS):
