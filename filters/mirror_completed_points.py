@@ -22,11 +22,10 @@ from meshlab_symrecon.plugin import (
     layer,
     spacing_multiple,
 )
-from meshlab_symrecon.provenance import paint_by_share
+from meshlab_symrecon.provenance import MIRRORED, paint_by_share
 from meshlab_symrecon.symmetry.completion import BLEND, GAP, CompletedPoints, mirror_complete
 
 LABEL = "completed points"
-MIRRORED = "mirrored"
 SCAN_QUALITY = "scan_quality"
 
 NO_PLANES = (

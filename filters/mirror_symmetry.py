@@ -21,6 +21,7 @@ from meshlab_symrecon.plugin import (
     integer,
     layer,
 )
+from meshlab_symrecon.provenance import MIRRORED
 from meshlab_symrecon.symmetry.deviation import (
     FARTHEST,
     TOLERANCE,
@@ -31,7 +32,6 @@ from meshlab_symrecon.symmetry.deviation import (
 DEVIATION = "mirror_deviation"
 COUNTERPART = "has_counterpart"
 MIXED = "mixed_quality"  # where some are measured: their distances, and the quality of the others
-MIRRORED = "mirrored"  # the mark that Mirror-Complete Points leaves
 
 UNSIGNED = (
     "inside and outside could not be told, so that no distance has a sign; "

@@ -24,11 +24,10 @@ from meshlab_symrecon.powercrust.attributes import carry_over
 from meshlab_symrecon.powercrust.labelling import METHODS
 from meshlab_symrecon.powercrust.recipe import SURFACES, Recipe
 from meshlab_symrecon.powercrust.reconstruction import PowerCrust, reconstruct
-from meshlab_symrecon.provenance import paint_by_share
+from meshlab_symrecon.provenance import MIRRORED, paint_by_share
 
 LABEL = "power crust"
 AXIS_LABEL = "medial axis"
-MIRRORED = "mirrored"  # the scalar that a completion leaves
 AUTOMATIC = -1.0
 HULL_WARNING = (
     "the points are too few or too flat to tell inside from outside, "

@@ -1,4 +1,4 @@
-"""The colours of what was measured and what was invented, in layers, pictures and pages alike."""
+"""How layers, pictures and pages mark what was measured and what was invented."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from meshlab_symrecon.arrays import Floats
 
-__all__ = ["INVENTED", "MEASURED", "colours_by_share", "paint_by_share"]
+__all__ = ["INVENTED", "MEASURED", "MIRRORED", "colours_by_share", "paint_by_share"]
 
+MIRRORED = "mirrored"  # the custom scalar that a completion leaves: 1 for what it has invented
 MEASURED = (222, 203, 174)  # sRGB: warm limestone
 INVENTED = (58, 134, 148)  # its complement: verdigris
 

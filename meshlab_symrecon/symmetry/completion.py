@@ -26,7 +26,14 @@ from meshlab_symrecon.geometry.planes import reflect, reflect_directions, signed
 from meshlab_symrecon.geometry.sampling import principal_frame
 from meshlab_symrecon.symmetry.asymmetry import asymmetry_field
 from meshlab_symrecon.symmetry.copying import off_lopsided_plinth, on_surface, standing_plane
-from meshlab_symrecon.symmetry.filling import Surroundings, any_missing, fill, part, surroundings
+from meshlab_symrecon.symmetry.filling import (
+    Surroundings,
+    any_missing,
+    fill,
+    neighbours,
+    part,
+    surroundings,
+)
 from meshlab_symrecon.symmetry.open_rims import open_rims
 from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
 from meshlab_symrecon.symmetry.progress import Progress
@@ -225,8 +232,10 @@ def _scan(points: Points, normals: Points | None, allowed: Booleans) -> _Scan:
     framed = (points - centre) @ axes.T  # so that all that follows turns with the scan
     order = _native.curve_order(framed).astype(np.int64)
     sides = None if normals is None else normals[order]
-    around = surroundings(points[order], sides, robust_diagonal(framed[order]))
-    together = on_surface(around.points, around.distances, around.nearest)
+    ordered = points[order]
+    known = neighbours(ordered)
+    around = surroundings(ordered, sides, robust_diagonal(framed[order]), known)
+    together = on_surface(ordered, *known)
     return _Scan(
         number=order[together],
         allowed=allowed[order[together]],
@@ -235,7 +244,7 @@ def _scan(points: Points, normals: Points | None, allowed: Booleans) -> _Scan:
     )
 
 
-def _across(  # what to fill, across what, and how
+def _across(
     scan: _Scan, around: Surroundings, origin: Indices, plane: Floats, gap: float, blend: float
 ) -> tuple[Points, Indices]:
     """Return the mirror images that fill gaps, and the points they are images of."""

@@ -19,7 +19,7 @@ from meshlab_symrecon.geometry.planes import reflect_directions
 from meshlab_symrecon.symmetry.coverage import covered
 from meshlab_symrecon.symmetry.density import as_dense_as_around
 
-__all__ = ["Surroundings", "any_missing", "fill", "part", "surroundings"]
+__all__ = ["Surroundings", "any_missing", "fill", "neighbours", "part", "surroundings"]
 
 NEIGHBOURS = 8
 SPACING_NEIGHBOURS = 4
@@ -42,8 +42,6 @@ class Surroundings:
     directions: Points  # (n, 3)  unit normals
     outward: bool  # they tell inside from outside
     field: NearestField
-    distances: Floats  # (n, k)  to the nearest other points
-    nearest: Indices  # (n, k)  and which they are
     spacing: Floats  # (n,)  mean distance to the four nearest
     usual: float  # its median in the scan
     diagonal: float
@@ -56,23 +54,31 @@ class Surroundings:
         return within
 
 
-def surroundings(points: Points, normals: Points | None, diagonal: float) -> Surroundings:
+def neighbours(points: Points) -> tuple[Floats, Indices]:
+    """Return the distances (n, k) of points (n, 3) to the nearest others, and which those are."""
+    found = cKDTree(points).query(points, k=min(NEIGHBOURS + 1, len(points)))
+    return found[0][:, 1:], found[1][:, 1:]
+
+
+def surroundings(
+    points: Points,
+    normals: Points | None,
+    diagonal: float,
+    known: tuple[Floats, Indices] | None = None,
+) -> Surroundings:
     """Look up the neighbourhood of every point (n, 3), n at least 2, along a space-filling curve.
 
     Where no normals (n, 3) are given, or where neighbours contradict each other, planes are
-    fitted. The diagonal is that of the scan.
+    fitted. The diagonal is that of the scan; ``neighbours`` may be known already.
     """
-    tree = cKDTree(points)
-    distances, nearest = tree.query(points, k=min(NEIGHBOURS + 1, len(points)))
-    spacing = distances[:, 1 : SPACING_NEIGHBOURS + 1].mean(axis=1)
-    given = None if normals is None else _consistent(normals, nearest)
+    distances, nearest = neighbours(points) if known is None else known
+    spacing = distances[:, :SPACING_NEIGHBOURS].mean(axis=1)
+    given = None if normals is None else _consistent(normals, nearest[:, 0])
     return Surroundings(
         points=points,
         directions=_fitted(points) if given is None else given,
         outward=given is not None,
         field=_field(points, diagonal),
-        distances=distances[:, 1:],
-        nearest=nearest[:, 1:],
         spacing=spacing,
         usual=float(np.median(spacing)),
         diagonal=diagonal,
@@ -84,9 +90,9 @@ def _field(points: Points, diagonal: float) -> NearestField:
 
 
 def _consistent(normals: Points, nearest: Indices) -> Points | None:
-    """Return unit normals, or None when they do not tell one side of the surface from the other."""
+    """Return unit normals, or None when those of points and the nearest (n,) contradict."""
     unit = _unit(normals)
-    agreement = np.einsum("ni,ni->n", unit, unit[nearest[:, 1]])
+    agreement = np.einsum("ni,ni->n", unit, unit[nearest])
     return unit if (agreement > 0.0).mean() >= CONSISTENT else None
 
 
@@ -116,8 +122,6 @@ def part(around: Surroundings, kept: Booleans) -> Surroundings:
         points=points,
         directions=around.directions[kept],
         field=_field(points, around.diagonal),
-        distances=around.distances[kept],
-        nearest=around.nearest[kept],
         spacing=around.spacing[kept],
     )
 
