@@ -149,7 +149,7 @@ def apply_native(mesh_set: Any, name: str, values: Mapping[str, object]) -> dict
         parameter = item.find(given)
         arguments[parameter.name] = checked_value(parameter, value)
     check_step(mesh_set, item, arguments)
-    skipped = reason_to_skip(mesh_set, item)
+    skipped = reason_to_skip(mesh_set, item, arguments)
     if skipped:
         warn_user(f"'{item.menu_name}' was skipped: {skipped}")
         return {}
