@@ -103,12 +103,15 @@ class DocumentState:
         Position of the current layer; None when it is unknown, or there is none.
     loose : LayerState
         What is known of the current layer when its position is not.
+    rasters : bool or None
+        Whether it has rasters; None when that is unknown.
     """
 
     layers: tuple[LayerState, ...] = ()
     more: int | None = 0
     current: int | None = None
     loose: LayerState = UNKNOWN_LAYER
+    rasters: bool | None = None
 
     @property
     def most(self) -> int | None:
@@ -125,12 +128,10 @@ class DocumentState:
         """What is known of the current layer."""
         return self.loose if self.current is None else self.layers[self.current]
 
-    def with_current(self, layer: LayerState) -> DocumentState:
-        """Return the same document with other knowledge of its current layer."""
-        if self.current is None:
-            return replace(self, loose=layer)
-        before, behind = self.layers[: self.current], self.layers[self.current + 1 :]
-        return replace(self, layers=(*before, layer, *behind))
+    def with_current_at(self, position: int) -> DocumentState:
+        """Return the same document with another current layer."""
+        known = position if position < len(self.layers) else None
+        return replace(self, current=known, loose=UNKNOWN_LAYER)
 
     @classmethod
     def unknown(cls) -> DocumentState:
@@ -145,4 +146,5 @@ class DocumentState:
         return cls(
             layers=tuple(LayerState.of(mesh_set.mesh(number)) for number in identifiers),
             current=identifiers.index(current) if current in identifiers else None,
+            rasters=mesh_set.raster_number() > 0,
         )

@@ -30,12 +30,20 @@ __all__ = [
     "reason_to_skip",
 ]
 
-# Filters that crash or fail when two of their layers are one, and the parameters that name these layers.
+# Filters that crash or fail when two of their layers are one, and the parameters that name them.
 NEED_TWO_LAYERS = {
+    "apply_coord_craters_from_point_cloud": ("target_mesh", "samples_mesh"),
     "compute_matrix_by_icp_between_meshes": ("referencemesh", "sourcemesh"),
     "compute_mls_projection_apss": ("controlmesh", "proxymesh"),
     "compute_mls_projection_rimls": ("controlmesh", "proxymesh"),
     "compute_scalar_by_distance_from_another_mesh_per_vertex": ("measuremesh", "refmesh"),
+    "get_hausdorff_distance": ("sampledmesh", "targetmesh"),
+    "transfer_attributes_per_vertex": ("sourcemesh", "targetmesh"),
+}
+# Filters that crash unless the layer that this parameter names is the current one.
+WANT_CURRENT = {
+    "compute_mls_projection_apss": "controlmesh",
+    "compute_mls_projection_rimls": "controlmesh",
 }
 ALWAYS_ABORTS = frozenset({"create_mesh_by_grammar"})  # whatever the grammar
 # Filters that clean meshes, common in scripts, and delete every point of a cloud.
@@ -56,10 +64,11 @@ ABORTS_WITH: dict[str, tuple[str, object]] = {
     "generate_dust_accumulation_point_cloud": ("draw_texture", True)
 }
 POISSON = "generate_surface_reconstruction_screened_poisson"
-# Filters that do so in passing, and the parameter that names the layer
-# (none: the current one).
+# Filters that do so in passing, or crash on layers with edges only, and the parameter that names
+# the layer (none: the current one).
 EMPTY_CLOUDS_TOO = {
     "compute_color_by_point_cloud_voronoi_projection": "coloredmesh",
+    "compute_iso_parametrization": "",
     "generate_solid_wireframe": "",
 }
 
@@ -78,8 +87,8 @@ def check_step(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> 
     check_document(mesh_set, item)
     check_layers(mesh_set, item, values)
     if current_identifier(mesh_set) >= 0:
-        check_distinct(mesh_set, item, values)
         check_vertices(mesh_set, item)
+        check_distinct(mesh_set, item, values)
         check_faces(mesh_set, item, values)
         check_finite(mesh_set, item, values)
         check_normals(mesh_set, item)
@@ -151,7 +160,7 @@ def check_layers(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -
 
 
 def check_distinct(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse one layer in two roles, given or by default, where MeshLab would crash on it.
+    """Refuse one layer in two roles, or the wrong one in a role, where MeshLab would fail on it.
 
     Raises
     ------
@@ -165,6 +174,13 @@ def check_distinct(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any])
         message = (
             f"'{item.menu_name}' needs two layers; got {used[first]} as '{first}' and as "
             f"'{second}'; name two different ones"
+        )
+        raise ParameterError(message)
+    wanted = WANT_CURRENT.get(item.python_name)
+    if wanted is not None and used[wanted] != current_identifier(mesh_set):
+        message = (
+            f"'{item.menu_name}' needs the current layer as '{wanted}'; got {used[wanted]}; the "
+            f"current one is {current_identifier(mesh_set)}; make the other one current first"
         )
         raise ParameterError(message)
 

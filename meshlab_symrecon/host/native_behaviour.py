@@ -30,15 +30,17 @@ MESHLAB_WORDS = {
 }
 # What filters say in their own words, and which fact they may mean.
 OWN_WORDS: tuple[tuple[str, tuple[str, ...]], ...] = (
-    ("requires at least one mesh", ("layer",)),
-    ("need a Raster Model", ("raster",)),
-    ("no selection|No selection|no face selection", ("face_selection", "vertex_selection", "selection")),
+    ("requires at least one mesh|No mesh layer", ("layer",)),
+    ("need a Raster Model|no valid raster", ("raster",)),
+    ("[Nn]o selection|no face selection", ("face_selection", "vertex_selection", "selection")),
     ("Vertex Quality", ("quality",)),
     ("Missing Component", ("face_quality",)),
-    ("Per Wedge UV|per Wedge Tex", ("wedge_texture",)),
+    ("Per Wedge UV|per Wedge Tex|need Texture Coord", ("wedge_texture",)),
     ("per vertex normals", ("normals",)),
     ("no faces|with faces|with some faces|no triangles", ("faces",)),
 )
+# Filters that work on the current layer, although one of their parameters names a layer.
+ON_CURRENT = frozenset({"generate_sampling_poisson_disk"})
 # Numbers and expressions may delete or select nothing: that no trial did so shows little.
 DELETES = {
     "meshing_": ("points", "faces", "edges", "vertex_selection", "face_selection"),
@@ -64,7 +66,8 @@ def behaviour(trials: Iterable[Trial], before: Before, has_layers: bool) -> dict
     ran = [trial for trial in tried if trial.ending == "ran" and trial.document != "empty"]
     needs = _preconditions(tried)
     own = _own_needs(tried, before, [need["fact"] for need in needs])
-    needs += [need for need in own if need["fact"] in ("layer", "raster") or not has_layers]
+    about_current = not has_layers or tried[0].filter in ON_CURRENT
+    needs += [need for need in own if about_current or need["fact"] in ("layer", "raster")]
     return {
         "needs": needs,
         "layers": _layers(ran, before),

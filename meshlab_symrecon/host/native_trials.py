@@ -24,8 +24,8 @@ BYTES = 4 << 30  # of memory, for one trial
 TALKS = frozenset({"export_mesh_to_sketchfab"})  # to a server; never tried
 # What a filter is given in every trial, where its defaults lead nowhere or take too long.
 GIVEN: Mapping[str, Mapping[str, Any]] = {
-    "compute_mls_projection_apss": {"controlmesh": 0, "proxymesh": 1},
-    "compute_mls_projection_rimls": {"controlmesh": 0, "proxymesh": 1},
+    "compute_mls_projection_apss": {"controlmesh": 1, "proxymesh": 0},
+    "compute_mls_projection_rimls": {"controlmesh": 1, "proxymesh": 0},
     "compute_texmap_from_color": {"textname": "painted.png", "textw": 64, "texth": 64},
     "generate_sampling_volumetric": {"samplevolnum": 500},
     "generate_voronoi_scaffolding": {"samplevolnum": 500, "voxelres": 10},
@@ -101,8 +101,9 @@ class Bench:
 
         def task() -> dict[str, Any]:
             found = self.documents["complete"].filter_parameter_values(name)
-            plain = {key: value for key, value in found.items() if type(value) in (bool, int, float)}
-            return {"ending": "ran", "defaults": plain}
+            plain = (bool, int, float)
+            kept = {key: value for key, value in found.items() if type(value) in plain}
+            return {"ending": "ran", "defaults": kept}
 
         if name in HOLD_A_CAMERA:
             return {}
@@ -149,7 +150,7 @@ def _in_child(task: Any) -> dict[str, Any]:
     if ending == 0:
         told: dict[str, Any] = json.loads(answer)
         return told
-    if ending == -signal.SIGPROF or ending == -signal.SIGALRM:
+    if ending in (-signal.SIGPROF, -signal.SIGALRM):
         return {"ending": "slow"}
     return {"ending": signal.Signals(-ending).name if ending < 0 else f"exit {ending}"}
 

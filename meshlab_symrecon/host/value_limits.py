@@ -1,4 +1,4 @@
-"""Values on which filters of pymeshlab 2025.7 crash or never end, although their types are right."""
+"""Values of the right type on which filters of pymeshlab 2025.7 crash or never end."""
 
 from __future__ import annotations
 

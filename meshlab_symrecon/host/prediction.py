@@ -1,0 +1,111 @@
+"""What a document will be after a step, so far as that is certain."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from meshlab_symrecon.host.document_state import (
+    FACTS,
+    UNKNOWN_LAYER,
+    DocumentState,
+    LayerState,
+)
+from meshlab_symrecon.host.expectations import NEW, Expectation, Fates, Way, expectation
+from meshlab_symrecon.host.old_names import CHANGE_LAYER
+from meshlab_symrecon.host.resolution import ResolvedStep
+
+__all__ = ["after"]
+
+MERGE = "generate_by_merging_visible_meshes"
+LETTERS: Mapping[str, bool] = {"y": True, "n": False}
+# Filters that may change how many vertices there are, whatever else they do.
+COUNT = ("meshing_", "generate_", "compute_texcoord", "delete_", "transfer_")
+
+
+def after(state: DocumentState, resolved: ResolvedStep | None) -> DocumentState:
+    """Return what is known of a document after a step, None standing for an unknown one."""
+    if resolved is None:
+        return DocumentState(more=None)
+    if isinstance(resolved.filter, str):
+        if resolved.filter == CHANGE_LAYER and "mesh" in resolved.values:
+            return state.with_current_at(resolved.values["mesh"])
+        return state
+    expected = expectation(resolved.filter)
+    way = expected.way_with(resolved.values)
+    if resolved.python_name == MERGE and _may_leave_layers(state, resolved):
+        way = replace(way, removed="", current="")
+    if resolved.keeps_current and way.removed == "none":
+        way = replace(way, current="same")
+    return _with_layers(state, expected, way, resolved.python_name)
+
+
+def _may_leave_layers(state: DocumentState, resolved: ResolvedStep) -> bool:
+    hidden = any(layer.has("visible") is not True for layer in state.layers) or state.more != 0
+    return hidden and resolved.values.get("mergevisible", True) is not False
+
+
+def _with_layers(state: DocumentState, expected: Expectation, way: Way, name: str) -> DocumentState:
+    """Return the state with layers removed, changed and added."""
+    made = replace(_fated(state.current_layer, expected.made), label="")
+    changed = _changed(state, expected, counts_stay=not name.startswith(COUNT))
+    left = _without_removed(changed, way)
+    if way.most is None or left.more is None or left.more > 0 or way.most > way.added:
+        return _added_uncertainly(left, way, made)
+    layers = (*left.layers, *[made] * way.added)
+    current = left.current
+    if way.current.startswith(NEW):
+        current = len(layers) + int(way.current.removeprefix(NEW))
+    elif not way.current:
+        current = None
+    return replace(left, layers=layers, current=current, loose=UNKNOWN_LAYER)
+
+
+def _added_uncertainly(state: DocumentState, way: Way, made: LayerState) -> DocumentState:
+    """Return the state where nobody knows the position of what is added."""
+    more = None if way.most is None or state.more is None else state.more + way.most
+    if way.current == "same" and state.current is not None:
+        return replace(state, more=more)
+    loose = made if way.current.startswith(NEW) else UNKNOWN_LAYER
+    loose = state.current_layer if way.current == "same" else loose
+    return replace(state, more=more, current=None, loose=loose)
+
+
+def _changed(state: DocumentState, expected: Expectation, counts_stay: bool) -> DocumentState:
+    """Return the state with the fates of all layers fulfilled."""
+    current = _fated(state.current_layer, expected.kept)
+    if counts_stay:
+        current = replace(current, vertices=state.current_layer.vertices)
+    if state.current is None:  # then it may be any of them
+        layers = tuple(UNKNOWN_LAYER for _ in state.layers)
+        return replace(state, layers=layers, loose=current)
+    others = [_fated(layer, expected.others) for layer in state.layers]
+    others[state.current] = current
+    return replace(state, layers=tuple(others))
+
+
+def _without_removed(state: DocumentState, way: Way) -> DocumentState:
+    if way.removed == "none":
+        return state
+    if way.removed == "all":
+        return DocumentState(rasters=state.rasters)
+    if way.removed != "current" or state.current is None or state.more != 0:
+        return DocumentState(more=state.most, rasters=state.rasters)
+    layers = (*state.layers[: state.current], *state.layers[state.current + 1 :])
+    position = state.current if state.current < len(layers) else 0
+    return replace(state, layers=layers, current=position if layers else None)
+
+
+def _fated(layer: LayerState, fates: Fates | None) -> LayerState:
+    """Return a layer with the fates of its facts fulfilled."""
+    if fates is None:
+        return UNKNOWN_LAYER
+    facts = {}
+    for fact in FACTS:
+        fate = fates.get(fact, "ny")
+        was = layer.has(fact)
+        letters = set(fate) if was is None else {fate[was]}
+        letter = letters.pop() if len(letters) == 1 else "?"
+        if letter in LETTERS:
+            facts[fact] = LETTERS[letter]
+    return LayerState(facts, layer.label)
