@@ -22,12 +22,13 @@ from meshlab_symrecon.host.guards import (
     check_sound,
     empties_clouds,
 )
+from meshlab_symrecon.host.mlx import Script
 from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.prediction import after
-from meshlab_symrecon.host.resolution import ResolvedStep
+from meshlab_symrecon.host.resolution import ResolvedStep, matched
 from meshlab_symrecon.host.value_limits import check_limits
 
-__all__ = ["check_document"]
+__all__ = ["check_document", "check_script"]
 
 WORDS = {  # of a fact: what is missing, and what to do
     "points": ("points", "look at what the steps before it delete"),
@@ -57,6 +58,25 @@ WORK_ON_SELECTION = {
     "meshing_remove_selected_vertices": "vertex_selection",
     "meshing_remove_selected_vertices_and_faces": "face_selection",
 }
+
+
+def check_script(script: Script, state: DocumentState) -> tuple[Finding, ...]:
+    """Return everything that is found in a script, by itself and on a document.
+
+    Parameters
+    ----------
+    script : Script
+    state : DocumentState
+        What is known of the document that it will work on.
+
+    Returns
+    -------
+    tuple of Finding
+        In the order of the steps, and of the lines of each.
+    """
+    matching = matched(script)
+    found = (*matching.findings, *check_document(matching.steps, state, script.path))
+    return tuple(sorted(found, key=lambda finding: (finding.step, finding.line)))
 
 
 def check_document(
