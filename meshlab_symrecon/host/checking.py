@@ -97,7 +97,8 @@ def check_document(
     Returns
     -------
     tuple of Finding
-        In the order of the steps. A step with an error counts as passed over.
+        In the order of the steps. After a step with an error, only that is certain which is so
+        whether it is passed over or mended.
     """
     findings: list[Finding] = []
     for number, resolved in enumerate(steps):
@@ -110,8 +111,11 @@ def check_document(
                 findings.append(Finding(str(path), line, problem, ERROR, SKIP, number))
             if note:
                 findings.append(Finding(str(path), line, note, NOTE, "", number))
+        later = _survived(after(state, resolved), resolved)
         if problem is None:
-            state = _survived(after(state, resolved), resolved)
+            state = later
+        elif resolved is not None and not _would_empty(resolved, state):  # that is never let run
+            state = state.joined(later)
     return tuple(findings)
 
 
@@ -141,12 +145,13 @@ def _wrong_positions(resolved: ResolvedStep, state: DocumentState) -> Iterator[s
         if position is not None and state.most is not None and position >= state.most:
             yield (
                 f"parameter '{name}' must be the position of a layer, counted from 0; got "
-                f"{position}; the document has {_counted(state.most)} at this step"
+                f"{position}; the document has {_counted(state)} at this step"
             )
 
 
-def _counted(most: int) -> str:
-    return f"{most} layer{'' if most == 1 else 's'}"
+def _counted(state: DocumentState) -> str:
+    count = f"{state.most} layer{'' if state.most == 1 else 's'}"
+    return f"at most {count}" if state.more else count
 
 
 def _is_missing(need: Need, state: DocumentState) -> bool:
@@ -185,7 +190,7 @@ def _native_problems(
         yield _missing(item.menu_name, "faces", state)
     if item.python_name == POISSON and layer.is_cloud and layer.has("normals") is False:
         yield _missing(item.menu_name, "normals", state)
-    if layer.is_cloud and empties_clouds(item, resolved.values):
+    if _would_empty(resolved, state):
         count = f"{layer.vertices} points" if layer.vertices else "points"
         yield (
             f"'{item.menu_name}' would delete all the {count} of {_called(layer)}, which has no "
@@ -198,6 +203,13 @@ def _native_problems(
         check_limits(item, resolved.values)
     except SymReconError as error:
         yield str(error)
+
+
+def _would_empty(resolved: ResolvedStep, state: DocumentState) -> bool:
+    """Say whether a step would certainly delete every point of a cloud."""
+    item = resolved.filter
+    cleans = isinstance(item, NativeFilter) and empties_clouds(item, resolved.values)
+    return cleans and state.current_layer.is_cloud
 
 
 def _crashes_on_clouds(item: NativeFilter) -> bool:

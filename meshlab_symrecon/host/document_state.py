@@ -62,6 +62,15 @@ class LayerState:
         """Whether it certainly has points and certainly has no faces."""
         return self.has("points") is True and self.has("faces") is False
 
+    def joined(self, other: LayerState) -> LayerState:
+        """Return what is known when it is this layer or the other."""
+        same = {fact: held for fact, held in self.facts.items() if other.has(fact) is held}
+        return LayerState(
+            same,
+            self.label if self.label == other.label else "",
+            self.vertices if self.vertices == other.vertices else None,
+        )
+
     @classmethod
     def of(cls, mesh: Any) -> LayerState:
         """Return what holds for a layer of a MeshSet; it is made compact for that, as by saving."""
@@ -132,6 +141,21 @@ class DocumentState:
         """Return the same document with another current layer."""
         known = position if position < len(self.layers) else None
         return replace(self, current=known, loose=UNKNOWN_LAYER)
+
+    def joined(self, other: DocumentState) -> DocumentState:
+        """Return what is known when it is this document or the other."""
+        pairs = zip(self.layers, other.layers, strict=False)  # what one has more, is uncertain
+        layers = tuple(layer.joined(its) for layer, its in pairs)
+        mosts = (self.most, other.most)
+        more = None if None in mosts else max(most or 0 for most in mosts) - len(layers)
+        position = self.current if self.current == other.current else None
+        return DocumentState(
+            layers=layers,
+            more=more,
+            current=position if position is not None and position < len(layers) else None,
+            loose=self.current_layer.joined(other.current_layer),
+            rasters=self.rasters if self.rasters == other.rasters else None,
+        )
 
     @classmethod
     def unknown(cls) -> DocumentState:
