@@ -70,6 +70,7 @@ EMPTY_CLOUDS_TOO = {
     "compute_color_by_point_cloud_voronoi_projection": "coloredmesh",
     "compute_iso_parametrization": "",
     "generate_solid_wireframe": "",
+    "get_scalar_statistics_per_face": "",
 }
 
 

@@ -43,10 +43,10 @@ OWN_WORDS: tuple[tuple[str, tuple[str, ...]], ...] = (
 ON_CURRENT = frozenset({"generate_sampling_poisson_disk"})
 # Numbers and expressions may delete or select nothing: that no trial did so shows little.
 DELETES = {
-    "meshing_": ("points", "faces", "edges", "vertex_selection", "face_selection"),
-    "compute_selection": ("vertex_selection", "face_selection"),
-    "apply_selection": ("vertex_selection", "face_selection"),
+    "meshing_": ("points", "faces", "edges", "normals", "vertex_selection", "face_selection"),
 }
+SELECTS = ("compute_selection", "apply_selection")  # what they select hangs on numbers, too
+SELECTIONS = ("vertex_selection", "face_selection")
 
 
 def behaviour(trials: Iterable[Trial], before: Before, has_layers: bool) -> dict[str, Any]:
@@ -66,15 +66,26 @@ def behaviour(trials: Iterable[Trial], before: Before, has_layers: bool) -> dict
     ran = [trial for trial in tried if trial.ending == "ran" and trial.document != "empty"]
     needs = _preconditions(tried)
     own = _own_needs(tried, before, [need["fact"] for need in needs])
-    about_current = not has_layers or tried[0].filter in ON_CURRENT
+    name = tried[0].filter
+    kept, others = _kept(ran, before), _others(ran, before)
+    if has_layers:  # any of them may be the one that it works on
+        kept = others = kept + others
+    about_current = not has_layers or name in ON_CURRENT
     needs += [need for need in own if about_current or need["fact"] in ("layer", "raster")]
     return {
         "needs": needs,
         "layers": _layers(ran, before),
-        "kept": _fates(_kept(ran, before), _deletable(tried[0].filter)),
-        "others": _fates(_others(ran, before)),
+        "kept": _selecting(name, _fates(kept, _deletable(name))),
+        "others": _selecting(name, _fates(others)),
         "made": _fates(_made(ran, before), new=True),
     }
+
+
+def _selecting(name: str, fates: dict[str, str] | None) -> dict[str, str] | None:
+    """Return the fates with selections unknown, if the filter is one that selects."""
+    if fates is None or not name.startswith(SELECTS):
+        return fates
+    return fates | dict.fromkeys(SELECTIONS, "??")
 
 
 def _preconditions(trials: Iterable[Trial]) -> list[dict[str, Any]]:

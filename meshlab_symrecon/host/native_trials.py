@@ -11,6 +11,7 @@ import resource
 import signal
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -96,36 +97,41 @@ class Bench:
         answer = _in_child(task)
         return Trial(name, document, dict(values), **answer)
 
-    def defaults(self, name: str) -> Mapping[str, Any]:
-        """Return the plain defaults of a filter: booleans, numbers and texts, by Python name."""
+    def defaults(self, name: str) -> tuple[Mapping[str, Any], ...]:
+        """Return the plain defaults of a filter, by Python name, on documents that differ."""
 
-        def task() -> dict[str, Any]:
-            found = self.documents["complete"].filter_parameter_values(name)
+        def task(document: str) -> dict[str, Any]:
+            found = self.documents[document].filter_parameter_values(name)
             plain = (bool, int, float)
             kept = {key: value for key, value in found.items() if type(value) in plain}
             return {"ending": "ran", "defaults": kept}
 
         if name in HOLD_A_CAMERA:
-            return {}
-        answer: Mapping[str, Any] = _in_child(task).get("defaults", {})
-        return {**answer, **GIVEN.get(name, {})}
+            return ()
+        found = []
+        for document in ("complete", "plain mesh", "rough cloud"):
+            answer = _in_child(partial(task, document)).get("defaults", {})
+            found.append({**answer, **GIVEN.get(name, {})})
+        return tuple(found)
 
 
 def variations(
-    parameters: list[dict[str, Any]], defaults: Mapping[str, Any]
+    parameters: list[dict[str, Any]], defaults: tuple[Mapping[str, Any], ...]
 ) -> Iterator[dict[str, Any]]:
-    """Yield each other choice of one parameter: switches, words, layers."""
+    """Yield each choice of one parameter that is not its only default: switches, words, layers."""
     for parameter in parameters:
         name = parameter["name"]
-        if name not in defaults:
+        known = {answer[name] for answer in defaults if name in answer}
+        if not known:
             continue
-        if parameter["type"] == "RichBool":
-            yield {name: not defaults[name]}
-        elif parameter["type"] == "RichEnum":
-            choices = range(len(parameter["words"]))
-            yield from ({name: number} for number in choices if number != defaults[name])
-        elif parameter["type"] == "RichMesh":
-            yield from ({name: number} for number in range(3) if number != defaults[name])
+        choices: dict[str, list[Any]] = {
+            "RichBool": [False, True],
+            "RichEnum": list(range(len(parameter.get("words", ())))),
+            "RichMesh": [0, 1, 2],
+        }
+        for choice in choices.get(parameter["type"], []):
+            if known != {choice}:
+                yield {name: choice}
 
 
 def _observed(mesh_set: Any) -> tuple[list[tuple[int, str]], int]:

@@ -19,8 +19,11 @@ __all__ = ["after"]
 
 MERGE = "generate_by_merging_visible_meshes"
 LETTERS: Mapping[str, bool] = {"y": True, "n": False}
-# Filters that may change how many vertices there are, whatever else they do.
-COUNT = ("meshing_", "generate_", "compute_texcoord", "delete_", "transfer_")
+# Filters that leave the vertices as many as they are begin like this.
+KEEP_COUNT = (
+    "apply_color", "apply_normal", "apply_scalar", "apply_selection", "compute_color",
+    "compute_normal", "compute_scalar", "compute_selection", "get_", "set_",
+)  # fmt: skip
 
 
 def after(state: DocumentState, resolved: ResolvedStep | None) -> DocumentState:
@@ -48,7 +51,7 @@ def _may_leave_layers(state: DocumentState, resolved: ResolvedStep) -> bool:
 def _with_layers(state: DocumentState, expected: Expectation, way: Way, name: str) -> DocumentState:
     """Return the state with layers removed, changed and added."""
     made = replace(_fated(state.current_layer, expected.made), label="")
-    changed = _changed(state, expected, counts_stay=not name.startswith(COUNT))
+    changed = _changed(state, expected, counts_stay=name.startswith(KEEP_COUNT))
     left = _without_removed(changed, way)
     if way.most is None or left.more is None or left.more > 0 or way.most > way.added:
         return _added_uncertainly(left, way, made)
@@ -108,4 +111,6 @@ def _fated(layer: LayerState, fates: Fates | None) -> LayerState:
         letter = letters.pop() if len(letters) == 1 else "?"
         if letter in LETTERS:
             facts[fact] = LETTERS[letter]
+    if facts.get("normals") is False and facts.get("faces") is not False:
+        del facts["normals"]  # MeshLab computes those of faces whenever it likes
     return LayerState(facts, layer.label)
