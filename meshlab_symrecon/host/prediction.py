@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import reduce
 
 from meshlab_symrecon.host.document_state import (
     FACTS,
@@ -12,12 +13,20 @@ from meshlab_symrecon.host.document_state import (
     LayerState,
 )
 from meshlab_symrecon.host.expectations import NEW, Expectation, Fates, Way, expectation
+from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.old_names import CHANGE_LAYER
 from meshlab_symrecon.host.resolution import ResolvedStep
 
 __all__ = ["after"]
 
 MERGE = "generate_by_merging_visible_meshes"
+OF_MANY = frozenset(  # what is visible goes into the layers that these make
+    {
+        MERGE,
+        "generate_surface_reconstruction_screened_poisson",
+        "generate_surface_reconstruction_vcg",
+    }
+)
 LETTERS: Mapping[str, bool] = {"y": True, "n": False}
 # Filters that leave the vertices as many as they are begin like this.
 KEEP_COUNT = (
@@ -40,7 +49,7 @@ def after(state: DocumentState, resolved: ResolvedStep | None) -> DocumentState:
         way = replace(way, removed="", current="")
     if resolved.keeps_current and way.removed == "none":
         way = replace(way, current="same")
-    return _with_layers(state, expected, way, resolved.python_name)
+    return _with_layers(state, expected, way, resolved)
 
 
 def _may_leave_layers(state: DocumentState, resolved: ResolvedStep) -> bool:
@@ -62,6 +71,18 @@ def _with_layers(state: DocumentState, expected: Expectation, way: Way, name: st
     elif not way.current:
         current = None
     return replace(left, layers=layers, current=current, loose=UNKNOWN_LAYER)
+
+
+def _source(state: DocumentState, resolved: ResolvedStep) -> LayerState:
+    """Return what is known of the layer, or of all the layers, that a new one is made of."""
+    item = resolved.filter
+    parameters = item.parameters if isinstance(item, NativeFilter) else ()
+    by_name = any(parameter.rich_type == "RichMesh" for parameter in parameters)
+    if not by_name and resolved.python_name not in OF_MANY:
+        return state.current_layer
+    if state.more != 0:
+        return UNKNOWN_LAYER
+    return reduce(LayerState.joined, state.layers, state.current_layer)
 
 
 def _added_uncertainly(state: DocumentState, way: Way, made: LayerState) -> DocumentState:
