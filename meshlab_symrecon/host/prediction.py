@@ -57,10 +57,13 @@ def _may_leave_layers(state: DocumentState, resolved: ResolvedStep) -> bool:
     return hidden and resolved.values.get("mergevisible", True) is not False
 
 
-def _with_layers(state: DocumentState, expected: Expectation, way: Way, name: str) -> DocumentState:
+def _with_layers(
+    state: DocumentState, expected: Expectation, way: Way, resolved: ResolvedStep
+) -> DocumentState:
     """Return the state with layers removed, changed and added."""
-    made = replace(_fated(state.current_layer, expected.made), label="")
-    changed = _changed(state, expected, counts_stay=name.startswith(KEEP_COUNT))
+    made = replace(_fated(_source(state, resolved), expected.made), label="")
+    counts_stay = resolved.python_name.startswith(KEEP_COUNT)
+    changed = _changed(state, expected, counts_stay)
     left = _without_removed(changed, way)
     if way.most is None or left.more is None or left.more > 0 or way.most > way.added:
         return _added_uncertainly(left, way, made)
