@@ -45,6 +45,25 @@ ON_CURRENT = frozenset({"generate_sampling_poisson_disk"})
 DELETES = {
     "meshing_": ("points", "faces", "edges", "normals", "vertex_selection", "face_selection"),
 }
+# Of these, the cleaning steps that leave points behind whatever their numbers are.
+LEAVES_POINTS = frozenset(
+    {
+        "meshing_close_holes",
+        "meshing_invert_face_orientation",
+        "meshing_merge_close_vertices",
+        "meshing_poly_to_tri",
+        "meshing_re_orient_faces_by_geometry",
+        "meshing_re_orient_faces_coherently",
+        "meshing_remove_all_faces",
+        "meshing_remove_duplicate_faces",
+        "meshing_remove_duplicate_vertices",
+        "meshing_remove_folded_faces",
+        "meshing_remove_null_faces",
+        "meshing_remove_selected_faces",
+        "meshing_remove_t_vertices",
+        "meshing_snap_mismatched_borders",
+    }
+)
 SELECTS = ("compute_selection", "apply_selection")  # what they select hangs on numbers, too
 SELECTIONS = ("vertex_selection", "face_selection")
 
@@ -231,7 +250,7 @@ def _made(ran: list[Trial], before: Before) -> list[tuple[str, str]]:
 def _deletable(name: str) -> tuple[str, ...]:
     for beginning, facts in DELETES.items():
         if name.startswith(beginning):
-            return facts
+            return tuple(fact for fact in facts if fact != "points" or name not in LEAVES_POINTS)
     return ()
 
 
