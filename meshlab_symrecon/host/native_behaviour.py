@@ -43,9 +43,15 @@ OWN_WORDS: tuple[tuple[str, tuple[str, ...]], ...] = (
 ON_CURRENT = frozenset({"generate_sampling_poisson_disk"})
 # Numbers and expressions may delete or select nothing: that no trial did so shows little.
 DELETES = {
+    "generate_from_selected": ("points", "faces", "edges", "normals"),
     "meshing_": ("points", "faces", "edges", "normals", "vertex_selection", "face_selection"),
 }
-# Of these, the cleaning steps that leave points behind whatever their numbers are.
+MAY_BE_EMPTY = {  # new layers that may come out empty
+    "generate_polyline_from_planar_section": ("points", "edges", "normals"),
+    "generate_polyline_from_selected_edges": ("points", "edges", "normals"),
+    "generate_polyline_from_selection_perimeter": ("points", "edges", "normals"),
+}
+# Of the first, the cleaning steps that leave points behind whatever their numbers are.
 LEAVES_POINTS = frozenset(
     {
         "meshing_close_holes",
@@ -96,7 +102,7 @@ def behaviour(trials: Iterable[Trial], before: Before, has_layers: bool) -> dict
         "layers": _layers(ran, before),
         "kept": _selecting(name, _fates(kept, _deletable(name))),
         "others": _selecting(name, _fates(others)),
-        "made": _fates(_made(ran, before), new=True),
+        "made": _fates(_made(ran, before), MAY_BE_EMPTY.get(name, ()), new=True),
     }
 
 

@@ -268,6 +268,6 @@ def test_a_whole_document_is_read_from_a_mesh_set(check):
     mesh_set = pymeshlab.MeshSet(verbose=False)
     points = np.random.default_rng(0).normal(size=(30, 3))
     mesh_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points), "scan")
-    found = errors(check(DocumentState.of(mesh_set), "Close Holes", UNREFERENCED))
+    found = errors(check(DocumentState.of(mesh_set), UNREFERENCED, "Close Holes"))
     assert [line for line, _ in found] == [2, 3]
-    assert "the 30 points of layer 'scan'" in found[1][1]
+    assert "the 30 points of layer 'scan'" in found[0][1]
