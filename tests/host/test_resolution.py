@@ -69,7 +69,6 @@ WORDS = {"enum_val0": "X axis", "enum_val1": "Y axis", "enum_val2": "Z axis"}
         # Numbers.
         (TAUBIN, param("lambda", "0.12345678901234567"), {"lambda_": 0.12345678901234567}),
         (TAUBIN, param("lambda", " .5 ", "RichInt"), {"lambda_": 0.5}),
-        (TAUBIN, param("lambda", "0,5", "RichFloat"), {"lambda_": 0.5}),
         (TAUBIN, param("lambda", "-5e-1f", "RichFloat"), {"lambda_": -0.5}),
         (TAUBIN, param("lambda", "1", "RichDynamicFloat", **RANGE), {"lambda_": 1.0}),
         # Lengths: absolute, with or without a range, of any of their types.
@@ -115,6 +114,10 @@ def test_values_are_read_as_what_the_parameter_is_today(name, parameter, given):
         (TAUBIN, param("lambda", "1e999"), "must be a number; got"),
         (TAUBIN, param("lambda", "inf"), "must be a number; got"),
         (TAUBIN, param("lambda", "1,2,3"), "must be a number; got '1,2,3'"),
+        (TAUBIN, param("lambda", "1_000"), "must be a number; got '1_000'"),
+        (TAUBIN, param("lambda", "\u0661"), "must be a number; got"),
+        ("Close Holes", param("MaxHoleSize", "1_0"), "must be a whole number; got '1_0'"),
+        ("Transform: Rotate", param("rotAxis", "\u0661"), "must be one of 'X axis'"),
         (TAUBIN, param("lambda", "f"), "must be a number; got 'f'"),
         (TAUBIN, param("lambda", ""), "must be a number; got ''"),
         (DEPTH, param("viewPoint", "1 2"), "must be 3 numbers; got"),
@@ -131,6 +134,14 @@ def test_values_that_stand_for_nothing(name, parameter, words):
     (mistake,) = mistakes(name, parameter)
     assert mistake.startswith(("scan.mlx:7: ", "scan.mlx:3: "))
     assert words in mistake
+
+
+@pytest.mark.parametrize("rich_type", ["RichFloat", ""])
+def test_a_decimal_comma_is_told(rich_type):
+    """It might have stood between thousands."""
+    given, notes = values(TAUBIN, param("lambda", " 0,5", rich_type))
+    assert given == {"lambda_": 0.5}
+    assert notes == ("scan.mlx:7: '0,5' of parameter 'lambda' is read with a decimal comma",)
 
 
 def test_a_row_of_sixteen_and_a_colour():
