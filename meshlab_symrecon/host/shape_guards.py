@@ -21,6 +21,7 @@ CURVATURE = "compute_curvature_principal_directions_per_vertex"
 ON_FLAT = "Scale Dependent Quadric Fitting"  # the curvature method that aborts on what is flat
 MOVEMENT = "apply_coord_point_cloud_movement_over_mesh"
 CRATERS = "apply_coord_craters_from_point_cloud"
+NEAR = 0.1  # of the mesh's box diagonal, round its box: within, no crash was seen
 FLAT = 1e-9  # of the largest extent; rounding of coordinates is far below, relief far above
 
 FATAL_WITH_NAN = frozenset(
@@ -85,6 +86,27 @@ def check_shape(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) ->
         if name in filters and is_bad(mesh, values):
             message = f"'{item.menu_name}' would end the process: layer '{mesh.label()}' {what}"
             raise GeometryError(message)
+    if name == MOVEMENT:
+        _check_nearness(mesh_set, item, values)
+
+
+def _check_nearness(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
+    """Refuse to move points over a mesh that they are not near to."""
+    roles = {**mesh_set.filter_parameter_values(MOVEMENT), **values}
+    target, cloud = (mesh_set.mesh(int(roles[role])) for role in ("target_mesh", "point_cloud"))
+    corners = target.vertex_matrix()
+    if len(corners) == 0 or cloud.vertex_number() == 0:
+        return
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    margin = NEAR * np.linalg.norm(high - low)
+    points = cloud.vertex_matrix()
+    far = np.count_nonzero(((points < low - margin) | (points > high + margin)).any(axis=1))
+    if far:
+        message = (
+            f"'{item.menu_name}' would end the process: {far} points of layer '{cloud.label()}' "
+            f"are far from layer '{target.label()}'; move them onto it first"
+        )
+        raise GeometryError(message)
 
 
 def _layer_of_interest(mesh_set: Any, name: str, values: Mapping[str, Any]) -> int:

@@ -298,7 +298,7 @@ def test_shapes_that_crash_or_never_end_are_refused(shape, name, values, words):
 def test_sound_shapes_are_not_refused(name, values):
     mesh_set = pymeshlab.MeshSet(verbose=False)
     mesh_set.create_sphere(subdiv=2)
-    mesh_set.compute_texcoord_parametrization_triangle_trivial_per_wedge(sidedim=0, textdim=64)
+    mesh_set.compute_texcoord_parametrization_triangle_trivial_per_wedge(sidedim=0, textdim=256)
     apply_native(mesh_set, name, values)
 
 
@@ -313,13 +313,17 @@ def test_texture_coordinates_of_vertices_are_refused_where_they_crash():
 def test_the_target_of_a_movement_is_closed_and_that_of_craters_has_faces(cloud_set):
     cloud_set.create_grid(numvertx=4, numverty=4)
     movement = "apply_coord_point_cloud_movement_over_mesh"
-    with pytest.raises(GeometryError, match="layer 'Grid.*' has a boundary"):
+    with pytest.raises(GeometryError, match=r"layer 'Grid.*' has a boundary"):
         apply_native(cloud_set, movement, {"point_cloud": 0, "target_mesh": 1})
     craters = "apply_coord_craters_from_point_cloud"
     with pytest.raises(GeometryError, match="layer 'scan' has no faces; name a mesh"):
         apply_native(cloud_set, craters, {"target_mesh": 0, "samples_mesh": 1})
     cloud_set.create_sphere(subdiv=2)
-    apply_native(cloud_set, movement, {"point_cloud": 0, "target_mesh": 2})
+    with pytest.raises(GeometryError, match="points of layer 'scan' are far from layer 'Sphere'"):
+        apply_native(cloud_set, movement, {"point_cloud": 0, "target_mesh": 2})
+    inside = pymeshlab.Mesh(np.random.default_rng(0).uniform(-0.5, 0.5, size=(20, 3)))
+    cloud_set.add_mesh(inside, "near", False)
+    apply_native(cloud_set, movement, {"point_cloud": 3, "target_mesh": 2})
 
 
 @pytest.mark.parametrize("name", ["compute_mls_projection_apss", "compute_mls_projection_rimls"])
