@@ -51,7 +51,7 @@ MAY_BE_EMPTY = {  # new layers that may come out empty
     "generate_polyline_from_selected_edges": ("points", "edges", "normals"),
     "generate_polyline_from_selection_perimeter": ("points", "edges", "normals"),
 }
-# Of the first, the cleaning steps that leave points behind whatever their numbers are.
+# Of these, the cleaning steps that leave points behind, if guards let them run.
 LEAVES_POINTS = frozenset(
     {
         "meshing_close_holes",
@@ -67,6 +67,7 @@ LEAVES_POINTS = frozenset(
         "meshing_remove_null_faces",
         "meshing_remove_selected_faces",
         "meshing_remove_t_vertices",
+        "meshing_repair_non_manifold_edges",
         "meshing_snap_mismatched_borders",
     }
 )
@@ -95,12 +96,13 @@ def behaviour(trials: Iterable[Trial], before: Before, has_layers: bool) -> dict
     kept, others = _kept(ran, before), _others(ran, before)
     if has_layers:  # any of them may be the one that it works on
         kept = others = kept + others
+    stays = ("points",) if name in LEAVES_POINTS else ()
     about_current = not has_layers or name in ON_CURRENT
     needs += [need for need in own if about_current or need["fact"] in ("layer", "raster")]
     return {
         "needs": needs,
         "layers": _layers(ran, before),
-        "kept": _selecting(name, _fates(kept, _deletable(name))),
+        "kept": _selecting(name, _fates(kept, _deletable(name), kept=stays)),
         "others": _selecting(name, _fates(others)),
         "made": _fates(_made(ran, before), MAY_BE_EMPTY.get(name, ()), new=True),
     }
@@ -261,7 +263,11 @@ def _deletable(name: str) -> tuple[str, ...]:
 
 
 def _fates(
-    pairs: list[tuple[str, str]], deletable: tuple[str, ...] = (), *, new: bool = False
+    pairs: list[tuple[str, str]],
+    deletable: tuple[str, ...] = (),
+    *,
+    kept: tuple[str, ...] = (),
+    new: bool = False,
 ) -> dict[str, str] | None:
     """Return the fate of each fact that changes; None when nothing was seen."""
     if not pairs:
@@ -272,7 +278,7 @@ def _fates(
         fate = "".join(_outcome(was, ends, new) for was in "ny")
         if fact in deletable:
             fate = fate.replace("y", "?")
-        if fate != "ny" and fact != "visible":
+        if fate != "ny" and fact not in ("visible", *kept):
             fates[fact] = fate
     return fates
 

@@ -18,6 +18,7 @@ __all__ = ["FATAL_WITH_NAN", "check_shape"]
 
 VIEWPOINT = "compute_selection_of_visible_convex_hull_per_vertex"
 CURVATURE = "compute_curvature_principal_directions_per_vertex"
+STATISTICS = "get_scalar_statistics_per_vertex"
 ON_FLAT = "Scale Dependent Quadric Fitting"  # the curvature method that aborts on what is flat
 MOVEMENT = "apply_coord_point_cloud_movement_over_mesh"
 CRATERS = "apply_coord_craters_from_point_cloud"
@@ -169,6 +170,10 @@ def _is_flat(mesh: Any, values: Mapping[str, Any]) -> bool:
     return bool(extents[0] <= FLAT * extents[-1])
 
 
+def _has_no_finite_quality(mesh: Any, values: Mapping[str, Any]) -> bool:
+    return mesh.has_vertex_scalar() and not np.isfinite(mesh.vertex_scalar_array()).all()
+
+
 Test = Callable[[Any, Mapping[str, Any]], bool]
 TRIALS: tuple[tuple[frozenset[str], Test, str], ...] = (
     (WITHOUT_EXTENT, _has_no_extent, "has no extent: all its points, or all of each face's, fall "
@@ -185,5 +190,7 @@ TRIALS: tuple[tuple[frozenset[str], Test, str], ...] = (
         "wedges in another layer first"),
     (frozenset({VIEWPOINT}), _has_a_point_at_the_eye, "has a point at 'viewpoint'; move the "
         "viewpoint away"),
+    (frozenset({STATISTICS}), _has_no_finite_quality, "has vertex quality that is NaN or "
+        "infinite; clamp or compute it again first"),
     (frozenset({CURVATURE}), _is_flat, "is flat, on which this method fails; use another method"),
 )  # fmt: skip

@@ -75,6 +75,12 @@ def test_every_step_that_would_delete_the_cloud_is_named(check):
     assert [line for line, _ in errors(found)] == [2, 3, 4]
 
 
+def test_a_cloud_is_still_one_behind_the_usual_cleaning(check):
+    usual = ("Remove Duplicate Vertices", "Remove Duplicate Faces", "Remove Zero Area Faces",
+        "Merge Close Vertices", "Repair non Manifold Edges")  # fmt: skip
+    assert [line for line, _ in errors(check(on(CLOUD), *usual, UNREFERENCED))] == [7]
+
+
 def test_an_old_repair_that_splits_vertices_deletes_a_cloud(check):
     old = "Repair non Manifold Edges by splitting vertices"
     assert "would delete all the 500 points" in errors(check(on(CLOUD), old))[0][1]

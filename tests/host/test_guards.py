@@ -302,6 +302,18 @@ def test_sound_shapes_are_not_refused(name, values):
     apply_native(mesh_set, name, values)
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_statistics_of_what_is_not_finite_are_refused(points, value):
+    quality = np.linspace(0.0, 1.0, len(points))
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_scalar_array=quality), "sound")
+    apply_native(mesh_set, "get_scalar_statistics_per_vertex", {})
+    quality[4] = value
+    mesh_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_scalar_array=quality), "scan")
+    with pytest.raises(GeometryError, match="layer 'scan' has vertex quality that is NaN"):
+        apply_native(mesh_set, "get_scalar_statistics_per_vertex", {})
+
+
 def test_texture_coordinates_of_vertices_are_refused_where_they_crash():
     mesh_set = pymeshlab.MeshSet(verbose=False)
     mesh_set.create_sphere(subdiv=1)
