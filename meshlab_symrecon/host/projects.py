@@ -1,19 +1,121 @@
-"""MeshLab projects: every layer in a file of its own, and the ``.mlp`` that lists them."""
+"""MeshLab projects: layers in files of their own, and the ``.mlp`` that lists them."""
 
 from __future__ import annotations
 
+import copy
 import re
+import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from meshlab_symrecon.host.atomic import replacing
-from meshlab_symrecon.host.files import check_output, write_layer
+import numpy as np
 
-__all__ = ["PROJECT", "layer_files", "save_project"]
+from meshlab_symrecon.errors import FileError
+from meshlab_symrecon.host.atomic import replacing
+from meshlab_symrecon.host.files import check_output, load, new_document, write_layer
+from meshlab_symrecon.host.native_filters import apply_native
+from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.project_files import Project, ProjectLayer, read_project
+from meshlab_symrecon.host.translation import translated
+
+__all__ = ["PROJECT", "layer_files", "load_layers", "load_project", "project_text", "save_project"]
 
 PROJECT = "mlp"  # extension
+
+
+def load_project(path: str | Path, mesh_set: Any = None) -> Any:
+    """Load the layers of a project with their labels and matrices, and its rasters.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``.mlp``, ``.mlb`` or ``.aln``.
+    mesh_set : pymeshlab.MeshSet, optional
+        Where to add them; a new one when left out.
+
+    Returns
+    -------
+    pymeshlab.MeshSet
+
+    Raises
+    ------
+    FileError
+        As ``read_project``; or a layer's file cannot be read.
+
+    Warns
+    -----
+    SymReconWarning
+        Rasters whose images are missing were left out.
+    """
+    mesh_set = new_document() if mesh_set is None else mesh_set
+    load_layers(read_project(path), mesh_set)
+    return mesh_set
+
+
+def load_layers(project: Project, mesh_set: Any) -> dict[int, Path]:
+    """Load a project that has been read; return the file of each new layer, by its identifier.
+
+    Raises
+    ------
+    FileError
+        A layer's file cannot be read.
+
+    Warns
+    -----
+    SymReconWarning
+        Rasters whose images are missing were left out.
+    """
+    origins: dict[int, Path] = {}
+    for layer in project.layers:
+        before = {mesh.id() for mesh in mesh_set}
+        load(layer.path, mesh_set)
+        added = [int(mesh.id()) for mesh in mesh_set if mesh.id() not in before]
+        for identifier in _chosen(mesh_set, added, layer):
+            _place(mesh_set, identifier, layer, alone=len(added) == 1)
+            origins[identifier] = layer.path
+    if project.missing_images:
+        names = ", ".join(str(path) for path in project.missing_images)
+        warn_user(f"{project.path}: rasters were left out, for their images are missing: {names}")
+    if project.rasters:
+        _load_rasters(project, mesh_set)
+    return origins
+
+
+def _chosen(mesh_set: Any, added: list[int], layer: ProjectLayer) -> list[int]:
+    """Return the layers that a project means, of a file with several; remove the others."""
+    if len(added) == 1 or layer.index not in range(len(added)):
+        return added
+    for identifier in added:
+        if identifier != added[layer.index]:
+            mesh_set.set_current_mesh(identifier)
+            mesh_set.delete_current_mesh()
+    mesh_set.set_current_mesh(added[layer.index])
+    return [added[layer.index]]
+
+
+def _place(mesh_set: Any, identifier: int, layer: ProjectLayer, *, alone: bool) -> None:
+    if layer.label and (alone or layer.index >= 0):
+        mesh_set.mesh(identifier).set_label(layer.label)
+    if not np.array_equal(layer.matrix, np.eye(4)):
+        mesh_set.set_current_mesh(identifier)
+        apply_native(mesh_set, "set_matrix", {"transformmatrix": layer.matrix, "freeze": False})
+
+
+def _load_rasters(project: Project, mesh_set: Any) -> None:
+    """Load rasters by way of a project of them alone, the only way that keeps their cameras."""
+    root = ElementTree.Element("MeshLabProject")
+    ElementTree.SubElement(root, "MeshGroup")
+    ElementTree.SubElement(root, "RasterGroup").extend(copy.deepcopy(project.rasters))
+    with tempfile.TemporaryDirectory(prefix="symrecon-") as folder:
+        path = Path(folder) / "rasters.mlp"
+        path.write_bytes(_document(root))
+        try:
+            with translated(f"the rasters of {project.path} cannot be read"):
+                mesh_set.load_project(str(path))
+        except Exception as error:
+            raise FileError(f"{error}; remove its <RasterGroup>") from error
 
 
 def save_project(
@@ -51,7 +153,8 @@ def save_project(
     with replacing(path) as staged:
         for identifier, name in names.items():
             write_layer(mesh_set, identifier, path.parent / name, staged.parent / name)
-        staged.write_bytes(_project_text(shown, names).encode("utf-8"))
+        entries = [(shown[identifier], name, np.eye(4)) for identifier, name in names.items()]
+        staged.write_bytes(project_text(entries))
 
 
 def layer_files(project: Path, labels: Mapping[int, str]) -> dict[int, str]:
@@ -66,20 +169,33 @@ def layer_files(project: Path, labels: Mapping[int, str]) -> dict[int, str]:
     return names
 
 
-def _project_text(labels: Mapping[int, str], names: Mapping[int, str]) -> str:
+def project_text(
+    entries: Iterable[tuple[str, str, Any]], rasters: Iterable[ElementTree.Element] = ()
+) -> bytes:
+    """Return a project file.
+
+    Parameters
+    ----------
+    entries : iterable of (str, str, (4, 4) array)
+        Label, file and matrix of each layer.
+    rasters : iterable of Element
+    """
     root = ElementTree.Element("MeshLabProject")
     group = ElementTree.SubElement(root, "MeshGroup")
-    for identifier, name in names.items():
-        attributes = {
-            "label": labels[identifier],
-            "idInFile": "-1",
-            "filename": name,
-            "visible": "1",
-        }
-        matrix = ElementTree.SubElement(
-            ElementTree.SubElement(group, "MLMesh", attributes), "MLMatrix44"
-        )
-        matrix.text = "\n1 0 0 0 \n0 1 0 0 \n0 0 1 0 \n0 0 0 1 \n"
-    ElementTree.SubElement(root, "RasterGroup")
+    for label, name, matrix in entries:
+        attributes = {"label": label, "idInFile": "-1", "filename": name, "visible": "1"}
+        element = ElementTree.SubElement(group, "MLMesh", attributes)
+        rows = (" ".join(_number(value) for value in row) for row in np.asarray(matrix))
+        ElementTree.SubElement(element, "MLMatrix44").text = "\n" + " \n".join(rows) + " \n"
+    ElementTree.SubElement(root, "RasterGroup").extend(rasters)
     ElementTree.indent(root, " ")
-    return f"<!DOCTYPE MeshLabDocument>\n{ElementTree.tostring(root, encoding='unicode')}\n"
+    return _document(root)
+
+
+def _number(value: Any) -> str:
+    return f"{float(value)!r}".removesuffix(".0")
+
+
+def _document(root: ElementTree.Element) -> bytes:
+    text = ElementTree.tostring(root, encoding="unicode")
+    return f"<!DOCTYPE MeshLabDocument>\n{text}\n".encode()
