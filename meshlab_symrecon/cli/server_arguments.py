@@ -3,33 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import click
 
-__all__ = ["CURRENT", "FLAGS", "LAST", "Job", "Load", "Output", "ProjectOutput", "parse"]
+from meshlab_symrecon.cli.server_job import (
+    CURRENT,
+    FLAGS,
+    LAST,
+    Job,
+    Load,
+    Output,
+    ProjectOutput,
+)
 
-CURRENT, LAST = "current", "last"
+__all__ = ["parse"]
+
 LAYERS = {"c": CURRENT, "x": LAST, "l": LAST}  # "l" is in the help text of meshlabserver
-FLAGS = {
-    "vc": "vertex colours",
-    "vf": "vertex flags",
-    "vq": "vertex quality",
-    "vn": "vertex normals",
-    "vt": "vertex texture coordinates",
-    "vr": "vertex radii",
-    "fc": "face colours",
-    "ff": "face flags",
-    "fq": "face quality",
-    "fn": "face normals",
-    "wc": "wedge colours",
-    "wn": "wedge normals",
-    "wt": "wedge texture coordinates",
-    "mp": "polygons",
-    "sa": "written as text",
-}
 STICKY = "sa"  # holds for the outputs behind it too
 WORDED = {"ascii": ("sa",), "binary": ()}  # met in scripts; binary is what happens anyway
 PROJECTS = (".mlp", ".mlb", ".aln")
@@ -50,66 +42,6 @@ SWITCHES = {
 }
 SHORT = ("-i", "-p", "-s", "-o", "-m", "-om", "-l", "-w", "-x", "-d")
 OPTIONS = (*SHORT, "--json", *(name for name in SWITCHES if name.startswith("--")))
-
-
-@dataclass(frozen=True, slots=True)
-class Load:
-    """A file to load, and the option it stands behind."""
-
-    path: Path
-    project: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Output:
-    """A layer to save.
-
-    Attributes
-    ----------
-    path : Path
-    layer : int or str
-        Position of the layer, ``CURRENT`` or ``LAST``.
-    mask : frozenset of str
-        Flags, keys of ``FLAGS``; none for coordinates and faces alone.
-    """
-
-    path: Path
-    layer: int | str = CURRENT
-    mask: frozenset[str] = frozenset()
-
-
-@dataclass(frozen=True, slots=True)
-class ProjectOutput:
-    """A project to save; ``overwrite`` puts its layers where they came from."""
-
-    path: Path
-    overwrite: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Job:
-    """What a command line asks for.
-
-    Loads are in the order of the command line; so are scripts, and outputs of either kind.
-    ``notes`` says what was read otherwise than written.
-    """
-
-    loads: tuple[Load, ...] = ()
-    scripts: tuple[Path, ...] = ()
-    outputs: tuple[Output, ...] = ()
-    projects: tuple[ProjectOutput, ...] = ()
-    log: Path | None = None
-    dump: Path | None = None
-    report: Path | None = None
-    keep_all: bool = False
-    bake: bool = False
-    strict: bool = False
-    lenient: bool = False
-    dry_run: bool = False
-    list_filters: bool = False
-    help: bool = False
-    version: bool = False
-    notes: tuple[str, ...] = ()
 
 
 @dataclass(slots=True)
@@ -138,6 +70,18 @@ class _Reader:
         self.switches: set[str] = set()
         self.notes: list[str] = []
         self.before = ""  # the option before this one
+        self.takers: dict[str, Callable[[str], None]] = {
+            "-i": self.take_meshes,
+            "-p": self.take_projects,
+            "-s": self.take_scripts,
+            "-o": self.take_outputs,
+            "-m": self.take_mask,
+            "-om": self.take_mask,
+            "-l": self.take_layer_or_log,
+            "-w": self.take_project_outputs,
+            "-d": self.take_file,
+            "--json": self.take_file,
+        }
 
     def read(self) -> Job:
         while self.at < len(self.words):
@@ -153,25 +97,23 @@ class _Reader:
             self.switches.add(SWITCHES[option])
         elif option in QT:
             self.one(option)
-        elif option == "-i":
-            self.loads += (_load(word) for word in self.several(option))
-        elif option == "-p":
-            self.loads += (Load(Path(word), True) for word in self.several(option))
-        elif option == "-s":
-            self.scripts += (Path(word) for word in self.several(option))
-        elif option == "-o":
-            paths = [Path(word) for word in self.several(option)]
-            self.groups.append(_Group(paths, mask=set(self.sticky)))
-        elif option in ("-m", "-om"):
-            self.take_mask(option)
-        elif option == "-l":
-            self.take_layer_or_log()
-        elif option == "-w":
-            self.take_project()
-        elif option in ("-d", "--json"):
-            self.take_file(option)
+        elif option in self.takers:
+            self.takers[option](option)
         else:
             raise _unknown(option)
+
+    def take_meshes(self, option: str) -> None:
+        self.loads += (_load(word) for word in self.several(option))
+
+    def take_projects(self, option: str) -> None:
+        self.loads += (Load(Path(word), True) for word in self.several(option))
+
+    def take_scripts(self, option: str) -> None:
+        self.scripts += (Path(word) for word in self.several(option))
+
+    def take_outputs(self, option: str) -> None:
+        paths = [Path(word) for word in self.several(option)]
+        self.groups.append(_Group(paths, mask=set(self.sticky)))
 
     def one(self, option: str) -> str:
         if self.at == len(self.words) or self.words[self.at].startswith("-"):
@@ -201,29 +143,29 @@ class _Reader:
         if word.lower() in FLAGS:
             return (word.lower(),)
         if word.lower() in WORDED:
-            self.notes.append(f"'{word}' is no flag of -m; read as asking for a {word.lower()} file")
+            self.notes.append(f"'{word}' is no flag of -m; read as asking for that kind of file")
             return WORDED[word.lower()]
         raise click.UsageError(
             f"'{word}' is no flag of -m, and a file name has its place behind -i or -o; "
             f"flags are {', '.join(FLAGS)}"
         )
 
-    def take_layer_or_log(self) -> None:
+    def take_layer_or_log(self, option: str) -> None:
         """Read ``-l``: the layer of the ``-o`` before it, otherwise the log file."""
-        word = self.one("-l")
+        word = self.one(option)
         behind_output = bool(self.groups) and self.before == "-o"
         if not self.groups or not (word in LAYERS or word.isdecimal()):
             if behind_output and re.fullmatch(r"-?\d+|.", word):
                 raise click.UsageError(f"-l behind -o takes a layer: N, c or x; got '{word}'")
-            self.set_file("-l", word)
+            self.set_file(option, word)
             return
         group = self.groups[-1]
         if group.layer is not None:
             raise click.UsageError(f"'{group.paths[0]}' has two layers (-l); keep one")
         group.layer = LAYERS[word] if word in LAYERS else int(word)
 
-    def take_project(self) -> None:
-        for word in self.several("-w"):
+    def take_project_outputs(self, option: str) -> None:
+        for word in self.several(option):
             path = Path(word)
             if path.suffix.lower() != WRITTEN_PROJECT:
                 path = Path(f"{word}{WRITTEN_PROJECT}")
@@ -318,7 +260,7 @@ def _with_layers(group: _Group) -> list[tuple[Path, int | str]]:
 
 def _unknown(option: str) -> click.UsageError:
     if option == "-x":
-        return click.UsageError("-x has its place behind -w PROJECT.mlp, whose layers it overwrites")
+        return click.UsageError("-x has its place behind -w PROJECT.mlp")
     if not option.startswith("-"):
         return click.UsageError(f"'{option}' stands behind no option; write -i or -o before a file")
     known = ", ".join(OPTIONS)

@@ -14,7 +14,6 @@ import numpy as np
 from meshlab_symrecon.errors import FileError, HostError
 from meshlab_symrecon.host.atomic import replacing, same_file
 from meshlab_symrecon.host.files import FACES_ONLY, POINTS_ONLY, READABLE, new_document
-from meshlab_symrecon.host.mask import SAVED
 from meshlab_symrecon.host.meshset import attribute_names, current_identifier
 from meshlab_symrecon.host.native_filters import apply_native
 from meshlab_symrecon.host.notices import warn_user
@@ -66,7 +65,7 @@ def export_layer(
         write_staged(mesh_set, identifier, path, staged, options, textures)
 
 
-def write_staged(  # noqa: PLR0913  as write_layer, and what it leaves to its caller
+def write_staged(
     mesh_set: Any,
     identifier: int,
     path: Path,
@@ -188,13 +187,9 @@ def bake_layer(mesh_set: Any, identifier: int) -> None:
     before = current_identifier(mesh_set)
     mesh_set.set_current_mesh(identifier)
     try:
-        apply_native(
-            mesh_set, "compute_normal_by_function_per_vertex", _normal_functions(matrix)
-        )
+        apply_native(mesh_set, "compute_normal_by_function_per_vertex", _normal_functions(matrix))
         apply_native(mesh_set, "compute_coord_by_function", _point_functions(matrix))
-        apply_native(
-            mesh_set, "set_matrix", {"transformmatrix": np.eye(4), "freeze": False}
-        )
+        apply_native(mesh_set, "set_matrix", {"transformmatrix": np.eye(4), "freeze": False})
         if mirrored:
             apply_native(mesh_set, "meshing_invert_face_orientation", {"forceflip": True})
             apply_native(mesh_set, "compute_normal_per_vertex", {})

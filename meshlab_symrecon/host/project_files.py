@@ -1,4 +1,4 @@
-"""What a project file says: layers with their files and matrices, and rasters. No pymeshlab here."""
+"""What a project file says: layers with their files and matrices, and rasters; no pymeshlab."""
 
 from __future__ import annotations
 
@@ -130,8 +130,10 @@ def _matrix(path: Path, name: str, text: str) -> Any:
     except ValueError:
         numbers = _packed(text)
     if len(numbers) != IDENTITY.size or not np.isfinite(numbers).all():
-        message = f"the matrix of '{name}' must be 16 finite numbers; got '{' '.join(text.split())}'"
-        raise _no_project(path, f"{message:.200}")
+        got = " ".join(text.split())
+        raise _no_project(
+            path, f"the matrix of '{name}' must be 16 finite numbers; got '{got:.100}'"
+        )
     return np.array(numbers).reshape(IDENTITY.shape)
 
 
