@@ -146,17 +146,12 @@ class _Run:
     def run_scripts(self, log: Any) -> None:
         from meshlab_symrecon.host.script import run_steps
 
-        log.take()  # what loading has logged
-
-        def relay(fraction: float, message: str) -> None:
-            for line in log.take():
-                self.journal.say(line)
-
         for script in self.checked.scripts:
-            result = run_steps(
-                self.mesh_set, script,
-                strict=self.job.strict, lenient=self.job.lenient, progress=relay,
-            )  # fmt: skip
+            with log.listening(self.journal.say) as relay:
+                result = run_steps(
+                    self.mesh_set, script,
+                    strict=self.job.strict, lenient=self.job.lenient, progress=relay,
+                )  # fmt: skip
             self.reports.append(result)
             for step in result.steps:
                 self.say_step(step)

@@ -6,24 +6,27 @@ program that wants the log sets ``QT_LOGGING_RULES`` otherwise before it imports
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stdout
 from typing import Any, BinaryIO
 
 __all__ = ["NativeLog", "native_log"]
 
 LOGGED = re.compile(r"LOG: \d+ ?(.*)")
+PROGRESS = re.compile(r".*\[ *\d+ ?% *\]")
 OUTPUT, ERRORS = 1, 2  # file descriptors of the standard streams
 
 
 class NativeLog:
-    """The log so far, in the file to which the standard error stream was diverted."""
+    """The log of the filters, in the file to which the standard error stream was diverted."""
 
-    def __init__(self, file: BinaryIO) -> None:
+    def __init__(self, mesh_set: Any, file: BinaryIO) -> None:
+        self.mesh_set = mesh_set
         self.file = file
         self.taken = 0
 
@@ -35,27 +38,54 @@ class NativeLog:
         self.file.seek(0, os.SEEK_END)  # the native side writes where this stands
         self.taken = size
         matches = map(LOGGED.fullmatch, content.decode("utf-8", "replace").splitlines())
-        return [match[1].rstrip() for match in matches if match]
+        lines = [match[1].rstrip() for match in matches if match]
+        return [line for line in lines if not PROGRESS.fullmatch(line)]
+
+    @contextmanager
+    def listening(self, say: Callable[[str], None]) -> Iterator[Callable[[float, str], None]]:
+        """Let filters log inside the block.
+
+        Parameters
+        ----------
+        say : callable
+            Called with each line.
+
+        Yields
+        ------
+        callable
+            A progress callback that says what was logged so far; at the end of the block that
+            happens by itself.
+        """
+        self.take()  # what was written before is nobody's business
+        output = sys.stdout
+
+        def relay(fraction: float = 1.0, message: str = "") -> None:
+            with redirect_stdout(output):
+                for line in self.take():
+                    say(line)
+
+        self.mesh_set.set_verbosity(True)
+        try:
+            with redirect_stdout(io.StringIO()):  # pymeshlab prints parameters there
+                yield relay
+        finally:
+            self.mesh_set.set_verbosity(False)
+            relay()
 
 
 @contextmanager
 def native_log(mesh_set: Any) -> Iterator[NativeLog]:
-    """Collect what MeshLab's side writes to the standard streams; drop all of it but the log.
+    """Drop what MeshLab's side writes to the standard streams inside the block, but for the log.
 
     What Python code writes to these streams goes where it always goes.
-
-    Yields
-    ------
-    NativeLog
     """
-    with tempfile.TemporaryFile() as output, tempfile.TemporaryFile(buffering=0) as errors:
-        mesh_set.set_verbosity(True)
-        mesh_set.set_parameter_verbosity(False)
-        try:
-            with _diverted(OUTPUT, "stdout", output), _diverted(ERRORS, "stderr", errors):
-                yield NativeLog(errors)
-        finally:
-            mesh_set.set_verbosity(False)
+    with (
+        tempfile.TemporaryFile() as output,
+        tempfile.TemporaryFile(buffering=0) as errors,
+        _diverted(OUTPUT, "stdout", output),
+        _diverted(ERRORS, "stderr", errors),
+    ):
+        yield NativeLog(mesh_set, errors)
 
 
 @contextmanager
