@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
+import numpy as np
+
 __all__ = ["SAVED", "held_flags", "passed_over", "save_options"]
 
 # Flag: the option of pymeshlab. "coord" is its name for texture coordinates of vertices.
@@ -80,6 +82,8 @@ def passed_over(extension: str, flags: Collection[str]) -> tuple[str, ...]:
 def held_flags(extension: str, mesh: Any) -> frozenset[str]:
     """Return the flags of everything that a layer has and a format can hold.
 
+    Quality above 0 throughout is left out of E57, whose writer refuses it.
+
     Parameters
     ----------
     extension : str
@@ -90,6 +94,8 @@ def held_flags(extension: str, mesh: Any) -> frozenset[str]:
     if not mesh.has_vertex_color():
         absent.add("vc")
     if not mesh.has_vertex_scalar():
+        absent.add("vq")
+    elif extension == "e57" and mesh.vertex_scalar_array().min(initial=np.inf) > 0.0:
         absent.add("vq")
     if not mesh.has_vertex_tex_coord():
         absent.add("vt")
