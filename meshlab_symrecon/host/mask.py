@@ -26,6 +26,15 @@ OPTIONS = {
     "wt": "save_wedge_texcoord",
     "mp": "save_polygonal",
 }
+# Flag: how a layer tells whether it has that. It has the others always, or never.
+QUESTIONS = {
+    "vc": "has_vertex_color",
+    "vq": "has_vertex_scalar",
+    "vt": "has_vertex_tex_coord",
+    "fc": "has_face_color",
+    "fq": "has_face_scalar",
+    "wt": "has_wedge_tex_coord",
+}
 TEXT = "sa"  # the one flag that is no attribute
 TEXT_FORMATS = ("ply", "stl")  # which have two forms, and the option "binary"
 # Extension: what MeshLab's writer is able to take. That is asked of it; whether it then writes
@@ -90,20 +99,8 @@ def held_flags(extension: str, mesh: Any) -> frozenset[str]:
         A key of ``SAVED``.
     mesh : pymeshlab.Mesh
     """
-    absent = set()
-    if not mesh.has_vertex_color():
-        absent.add("vc")
-    if not mesh.has_vertex_scalar():
+    absent = {flag for flag, question in QUESTIONS.items() if not getattr(mesh, question)()}
+    if extension == "e57" and np.min(mesh.vertex_scalar_array(), initial=np.inf) > 0.0:
         absent.add("vq")
-    elif extension == "e57" and mesh.vertex_scalar_array().min(initial=np.inf) > 0.0:
-        absent.add("vq")
-    if not mesh.has_vertex_tex_coord():
-        absent.add("vt")
-    if not mesh.has_wedge_tex_coord():
-        absent.add("wt")
-    if not mesh.has_face_color():
-        absent.add("fc")
-    if not mesh.has_face_scalar():
-        absent.add("fq")
     wanted = set(SAVED[extension]) - absent
     return frozenset(wanted - set(passed_over(extension, wanted)))

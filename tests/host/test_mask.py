@@ -85,7 +85,8 @@ def content(path):
     if path.suffix == ".3ds":  # some of its bytes are left to chance
         return path.read_bytes().count(b"Material")
     if path.suffix == ".e57":
-        document = load(path)
+        document = new_document()
+        document.load_new_mesh(str(path))
         mesh = document.current_mesh()
         colours = mesh.vertex_color_matrix()[:, :3].any()  # black when there are none
         return colours, mesh.has_vertex_scalar(), mesh.vertex_normal_matrix().any()
