@@ -163,7 +163,7 @@ class _Run:
             self.journal.say(f"    {note}")
 
     def bake(self) -> None:
-        from meshlab_symrecon.host.export import bake_layer
+        from meshlab_symrecon.host.baking import bake_layer
 
         for identifier in [int(mesh.id()) for mesh in self.mesh_set]:
             bake_layer(self.mesh_set, identifier)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import locale
-import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,21 +11,18 @@ from typing import Any
 import numpy as np
 
 from meshlab_symrecon.errors import FileError, HostError
-from meshlab_symrecon.host.atomic import replacing, same_file
+from meshlab_symrecon.host.atomic import replacing
 from meshlab_symrecon.host.files import FACES_ONLY, POINTS_ONLY, READABLE, new_document
 from meshlab_symrecon.host.meshset import attribute_names, current_identifier
-from meshlab_symrecon.host.native_filters import apply_native
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.textures import write_textures
 from meshlab_symrecon.host.translation import translated
 
-__all__ = ["attribute_options", "bake_layer", "export_layer", "write_staged"]
+__all__ = ["attribute_options", "export_layer", "write_staged"]
 
 UNREPORTED = ("xyz", "3mf", "dae", "e57", "wrl", "x3d")  # writers that hide a full disk
 NEEDS_POINTS = ("obj", "x3d", "3ds", "ctm")  # writers that refuse a layer without points
 TEXTURED = ("save_wedge_texcoord", "save_vertex_coord")
-COMPRESSED = (".jpg", ".jpeg")
-QUALITY = 95  # of 100; Qt's own choice of 75 shows
-AXES = ("x", "y", "z")
 ATTRIBUTE = "__ca_"  # how the options of a PLY file begin that stand for custom attributes
 
 
@@ -83,22 +79,18 @@ def write_staged(
     extension = path.suffix.removeprefix(".").lower()
     mesh = mesh_set.mesh(identifier)
     _check_losses(mesh, path, extension)
-    names = list(mesh.textures()) if any(options.get(name) for name in TEXTURED) else []
     before = current_identifier(mesh_set)
-    compressed = any(name.lower().endswith(COMPRESSED) for name in names)
     try:
         with translated(f"{path} cannot be written"), _locale_kept():
             mesh_set.set_current_mesh(identifier)
-            mesh_set.save_current_mesh(
-                str(staged), save_textures=bool(names),
-                texture_quality=QUALITY if compressed else -1, **options,
-            )  # fmt: skip
+            mesh_set.save_current_mesh(str(staged), save_textures=False, **options)
+            if any(options.get(name) for name in TEXTURED):
+                write_textures(mesh_set.mesh(identifier), path, staged.parent, textures or {})
     except HostError as error:
         raise FileError(f"{error}; check free space and the format") from error
     finally:
         mesh_set.set_current_mesh(before)
     _check_whole(mesh_set.mesh(identifier), path, extension, staged)
-    _keep_textures(staged.parent, path.parent, textures or {})
 
 
 def attribute_options(mesh_set: Any, identifier: int, extension: str) -> dict[str, bool]:
@@ -152,68 +144,3 @@ def _check_whole(mesh: Any, path: Path, extension: str, staged: Path) -> None:
     if faces != (0 if extension in POINTS_ONLY else mesh.face_number()):
         message = f"{path} cannot be written: the writer did not finish; check free space"
         raise FileError(message)
-
-
-def _keep_textures(staging: Path, folder: Path, textures: Mapping[str, Path]) -> None:
-    """Put the files that textures came from in the place of those that were written anew."""
-    for name, source in textures.items():
-        written = staging / Path(name).name
-        if not (written.is_file() and source.is_file()):
-            continue
-        if same_file(source, folder / written.name):
-            written.unlink()
-        else:
-            shutil.copyfile(source, written)
-
-
-def bake_layer(mesh_set: Any, identifier: int) -> None:
-    """Apply a layer's transform matrix to its points and normals, and reset it.
-
-    MeshLab's own way leaves normals that are not square to the surface, or not numbers.
-
-    Raises
-    ------
-    HostError
-        The matrix flattens the layer, or MeshLab refused a step.
-    """
-    mesh = mesh_set.mesh(identifier)
-    matrix = np.array(mesh.transform_matrix())
-    if np.array_equal(matrix, np.eye(4)):
-        return
-    if not np.isfinite(matrix).all() or np.linalg.det(matrix[:3, :3]) == 0.0:
-        message = f"layer '{mesh.label()}' has a transform matrix that flattens it"
-        raise HostError(f"{message}; reset the matrix first")
-    mirrored = np.linalg.det(matrix[:3, :3]) < 0.0 and mesh.face_number() > 0
-    before = current_identifier(mesh_set)
-    mesh_set.set_current_mesh(identifier)
-    try:
-        apply_native(mesh_set, "compute_normal_by_function_per_vertex", _normal_functions(matrix))
-        apply_native(mesh_set, "compute_coord_by_function", _point_functions(matrix))
-        apply_native(mesh_set, "set_matrix", {"transformmatrix": np.eye(4), "freeze": False})
-        if mirrored:
-            apply_native(mesh_set, "meshing_invert_face_orientation", {"forceflip": True})
-            apply_native(mesh_set, "compute_normal_per_vertex", {})
-            apply_native(mesh_set, "apply_normal_normalization_per_vertex", {})
-    finally:
-        mesh_set.set_current_mesh(before)
-
-
-def _combination(factors: Any, names: tuple[str, ...]) -> str:
-    pairs = zip(factors, names, strict=True)
-    return "(" + "+".join(f"({float(factor)!r})*{name}" for factor, name in pairs) + ")"
-
-
-def _point_functions(matrix: Any) -> dict[str, str]:
-    return {
-        axis: f"{_combination(row[:3], AXES)}+({float(row[3])!r})"
-        for axis, row in zip(AXES, matrix[:3], strict=True)
-    }
-
-
-def _normal_functions(matrix: Any) -> dict[str, str]:
-    turned = np.linalg.inv(matrix[:3, :3]).T
-    rows = [_combination(row, ("nx", "ny", "nz")) for row in turned]
-    length = "sqrt(" + "+".join(f"{row}^2" for row in rows) + ")"
-    return {
-        axis: f"(({length})>0)?({row}/{length}):0" for axis, row in zip(AXES, rows, strict=True)
-    }

@@ -5,18 +5,18 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
 from defusedxml.ElementTree import parse
 
 from meshlab_symrecon.host.atomic import replacing
 from meshlab_symrecon.host.export import attribute_options, write_staged
 from meshlab_symrecon.host.mask import SAVED, held_flags, save_options
-from meshlab_symrecon.host.projects import project_text
 from meshlab_symrecon.host.translation import translated
 
 __all__ = ["copied_files", "save_project_copy"]
@@ -91,7 +91,7 @@ def save_project_copy(
             write_staged(mesh_set, identifier, file, staged, options, textures.get(identifier))
             name = Path(os.path.relpath(file, path.parent)).as_posix()
             entries.append((mesh.label(), name, mesh.transform_matrix()))
-        staged_project.write_bytes(project_text(entries, _rasters(mesh_set, path)))
+        staged_project.write_bytes(_project_text(entries, _rasters(mesh_set, path)))
 
 
 def _rasters(mesh_set: Any, path: Path) -> list[ElementTree.Element]:
@@ -107,3 +107,31 @@ def _rasters(mesh_set: Any, path: Path) -> list[ElementTree.Element]:
             image = (written.parent / plane.get("fileName", "")).resolve()
             plane.set("fileName", Path(os.path.relpath(image, path.parent.resolve())).as_posix())
     return rasters
+
+
+def _project_text(
+    entries: Iterable[tuple[str, str, Any]], rasters: Iterable[ElementTree.Element] = ()
+) -> bytes:
+    """Return a project file.
+
+    Parameters
+    ----------
+    entries : iterable of (str, str, (4, 4) array)
+        Label, file and matrix of each layer.
+    rasters : iterable of Element
+    """
+    root = ElementTree.Element("MeshLabProject")
+    group = ElementTree.SubElement(root, "MeshGroup")
+    for label, name, matrix in entries:
+        attributes = {"label": label, "idInFile": "-1", "filename": name, "visible": "1"}
+        element = ElementTree.SubElement(group, "MLMesh", attributes)
+        rows = (" ".join(_number(value) for value in row) for row in np.asarray(matrix))
+        ElementTree.SubElement(element, "MLMatrix44").text = "\n" + " \n".join(rows) + " \n"
+    ElementTree.SubElement(root, "RasterGroup").extend(rasters)
+    ElementTree.indent(root, " ")
+    text = ElementTree.tostring(root, encoding="unicode")
+    return f"<!DOCTYPE MeshLabDocument>\n{text}\n".encode()
+
+
+def _number(value: Any) -> str:
+    return f"{float(value)!r}".removesuffix(".0")

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from meshlab_symrecon.errors import FileError
+from meshlab_symrecon.errors import FileError, HostError
 from meshlab_symrecon.host.atomic import replacing
 from meshlab_symrecon.host.files import check_output, load, new_document, write_layer
 from meshlab_symrecon.host.native_filters import apply_native
@@ -20,7 +20,7 @@ from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.project_files import Project, ProjectLayer, read_project
 from meshlab_symrecon.host.translation import translated
 
-__all__ = ["PROJECT", "layer_files", "load_layers", "load_project", "project_text", "save_project"]
+__all__ = ["PROJECT", "layer_files", "load_layers", "load_project", "save_project"]
 
 PROJECT = "mlp"  # extension
 
@@ -110,11 +110,11 @@ def _load_rasters(project: Project, mesh_set: Any) -> None:
     ElementTree.SubElement(root, "RasterGroup").extend(copy.deepcopy(project.rasters))
     with tempfile.TemporaryDirectory(prefix="symrecon-") as folder:
         path = Path(folder) / "rasters.mlp"
-        path.write_bytes(_document(root))
+        ElementTree.ElementTree(root).write(path, encoding="utf-8")
         try:
             with translated(f"the rasters of {project.path} cannot be read"):
                 mesh_set.load_project(str(path))
-        except Exception as error:
+        except HostError as error:
             raise FileError(f"{error}; remove its <RasterGroup>") from error
 
 
@@ -153,8 +153,7 @@ def save_project(
     with replacing(path) as staged:
         for identifier, name in names.items():
             write_layer(mesh_set, identifier, path.parent / name, staged.parent / name)
-        entries = [(shown[identifier], name, np.eye(4)) for identifier, name in names.items()]
-        staged.write_bytes(project_text(entries))
+        staged.write_bytes(_project_text(shown, names).encode("utf-8"))
 
 
 def layer_files(project: Path, labels: Mapping[int, str]) -> dict[int, str]:
@@ -169,33 +168,20 @@ def layer_files(project: Path, labels: Mapping[int, str]) -> dict[int, str]:
     return names
 
 
-def project_text(
-    entries: Iterable[tuple[str, str, Any]], rasters: Iterable[ElementTree.Element] = ()
-) -> bytes:
-    """Return a project file.
-
-    Parameters
-    ----------
-    entries : iterable of (str, str, (4, 4) array)
-        Label, file and matrix of each layer.
-    rasters : iterable of Element
-    """
+def _project_text(labels: Mapping[int, str], names: Mapping[int, str]) -> str:
     root = ElementTree.Element("MeshLabProject")
     group = ElementTree.SubElement(root, "MeshGroup")
-    for label, name, matrix in entries:
-        attributes = {"label": label, "idInFile": "-1", "filename": name, "visible": "1"}
-        element = ElementTree.SubElement(group, "MLMesh", attributes)
-        rows = (" ".join(_number(value) for value in row) for row in np.asarray(matrix))
-        ElementTree.SubElement(element, "MLMatrix44").text = "\n" + " \n".join(rows) + " \n"
-    ElementTree.SubElement(root, "RasterGroup").extend(rasters)
+    for identifier, name in names.items():
+        attributes = {
+            "label": labels[identifier],
+            "idInFile": "-1",
+            "filename": name,
+            "visible": "1",
+        }
+        matrix = ElementTree.SubElement(
+            ElementTree.SubElement(group, "MLMesh", attributes), "MLMatrix44"
+        )
+        matrix.text = "\n1 0 0 0 \n0 1 0 0 \n0 0 1 0 \n0 0 0 1 \n"
+    ElementTree.SubElement(root, "RasterGroup")
     ElementTree.indent(root, " ")
-    return _document(root)
-
-
-def _number(value: Any) -> str:
-    return f"{float(value)!r}".removesuffix(".0")
-
-
-def _document(root: ElementTree.Element) -> bytes:
-    text = ElementTree.tostring(root, encoding="unicode")
-    return f"<!DOCTYPE MeshLabDocument>\n{text}\n".encode()
+    return f"<!DOCTYPE MeshLabDocument>\n{ElementTree.tostring(root, encoding='unicode')}\n"
