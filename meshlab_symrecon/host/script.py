@@ -19,13 +19,13 @@ from meshlab_symrecon.host.guards import reason_to_skip
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.mlx import Script, Step, read_script
 from meshlab_symrecon.host.native_filters import apply_native
-from meshlab_symrecon.host.old_names import CHANGE_LAYER, POISSON
+from meshlab_symrecon.host.old_names import CHANGE_LAYER
 from meshlab_symrecon.host.resolution import ResolvedStep, matched
 from meshlab_symrecon.host.steps import run_filter
 from meshlab_symrecon.plugin import Filter, Progress
 from meshlab_symrecon.plugin.filter import silent
 
-__all__ = ["ScriptReport", "StepReport", "run_script", "run_steps"]
+__all__ = ["ScriptReport", "StepReport", "checked_script", "run_script", "run_steps"]
 
 RAN, MAPPED, SKIPPED = "ran", "mapped", "skipped"
 
@@ -104,6 +104,19 @@ def run_script(
     return run_steps(mesh_set, read_script(path), strict=strict, lenient=lenient, progress=progress)
 
 
+def checked_script(path: str | Path, *, strict: bool = False, lenient: bool = False) -> Script:
+    """Read a script and check all that can be checked without a document.
+
+    Raises
+    ------
+    FileError, ScriptError
+        As ``run_script``.
+    """
+    script = read_script(path)
+    check_findings(matched(script).findings, strict=strict, lenient=lenient)
+    return script
+
+
 def run_steps(
     mesh_set: Any,
     script: Script,
@@ -121,15 +134,21 @@ def run_steps(
     reports = []
     pairs = zip(script.steps, matching.steps, strict=True)
     for number, (step, resolved) in enumerate(pairs):
-        report(number / len(script.steps), step.name.strip())
-        share = _share(report, number, len(script.steps))
+        name = f"{place(str(script.path), step.line, number)}: '{step.name.strip()}'"
+        share = _share(report, number, len(script.steps), name)
+        share(0.0, "")
         reports.append(runner.run(number, resolved, share))
     report(1.0, "done")
     return ScriptReport(str(script.path), tuple(reports), time.perf_counter() - started)
 
 
-def _share(progress: Progress, number: int, count: int) -> Progress:
-    return lambda fraction, message: progress((number + fraction) / count, message)
+def _share(progress: Progress, number: int, count: int, name: str) -> Progress:
+    """Return the progress of one step as a part of the whole, under the step's name."""
+
+    def share(fraction: float, message: str) -> None:
+        progress((number + fraction) / count, f"{name}, {message}" if message else name)
+
+    return share
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +186,7 @@ class _Runner:
         if resolved is None:
             return SKIPPED, {}
         try:
-            measures = _applied(self.mesh_set, resolved, notes, progress)
+            measures = _applied(self.mesh_set, resolved, progress)
         except SymReconError as error:
             words = _named(resolved.step, error)
             if not self.lenient:
@@ -192,9 +211,7 @@ def _named(step: Step, error: SymReconError) -> str:
     return words if step.name.strip() in words else f"'{step.name.strip()}': {words}"
 
 
-def _applied(
-    mesh_set: Any, resolved: ResolvedStep, notes: list[str], progress: Progress
-) -> Mapping[str, Any]:
+def _applied(mesh_set: Any, resolved: ResolvedStep, progress: Progress) -> Mapping[str, Any]:
     values = dict(resolved.values)
     for name in resolved.layers:
         values[name] = _identifier_at(mesh_set, name, values[name])
@@ -211,9 +228,8 @@ def _applied(
         raise GeometryError(message)
     before = current_identifier(mesh_set)
     measures = apply_native(mesh_set, name, values)
-    if resolved.step.from_xml_plugin and name == POISSON:
+    if resolved.keeps_current and mesh_set.mesh_id_exists(before):
         mesh_set.set_current_mesh(before)
-        notes.append("the cloud stays the current layer, as in the MeshLab of such scripts")
     return measures
 
 
