@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import os
 import sys
 import time
@@ -260,22 +259,13 @@ class _Run:
 
         data = {
             "inputs": [str(load.path) for load in self.job.loads],
-            "scripts": [_as_data(report) for report in self.reports],
+            "scripts": self.reports,
             "outputs": self.files,
             "notes": list(self.job.notes),
             "seconds": time.perf_counter() - self.started,
             "exit_code": code,
         }
         write_json(self.job.report, data)
-
-
-def _as_data(report: Any) -> Any:
-    """Return a report as dictionaries; ``dataclasses.asdict`` cannot copy every measure."""
-    if isinstance(report, tuple):
-        return [_as_data(item) for item in report]
-    if not dataclasses.is_dataclass(report):
-        return report
-    return {item.name: _as_data(getattr(report, item.name)) for item in dataclasses.fields(report)}
 
 
 if __name__ == "__main__":
