@@ -72,8 +72,9 @@ def load_layers(project: Project, mesh_set: Any) -> dict[int, Path]:
         before = {mesh.id() for mesh in mesh_set}
         load(layer.path, mesh_set)
         added = [int(mesh.id()) for mesh in mesh_set if mesh.id() not in before]
-        for identifier in _chosen(mesh_set, added, layer):
-            _place(mesh_set, identifier, layer, alone=len(added) == 1)
+        chosen = _chosen(mesh_set, added, layer)
+        for identifier in chosen:
+            _place(mesh_set, identifier, layer, alone=len(chosen) == 1)
             origins[identifier] = layer.path
     if project.missing_images:
         names = ", ".join(str(path) for path in project.missing_images)
@@ -96,7 +97,7 @@ def _chosen(mesh_set: Any, added: list[int], layer: ProjectLayer) -> list[int]:
 
 
 def _place(mesh_set: Any, identifier: int, layer: ProjectLayer, *, alone: bool) -> None:
-    if layer.label and (alone or layer.index >= 0):
+    if layer.label and alone:
         mesh_set.mesh(identifier).set_label(layer.label)
     if not np.array_equal(layer.matrix, np.eye(4)):
         mesh_set.set_current_mesh(identifier)

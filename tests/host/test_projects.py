@@ -191,6 +191,10 @@ def test_every_missing_file_is_named(write):
     assert str(path.parent / "lost/b.obj") in str(caught.value)
 
 
+def matrix_of(text):
+    return LAYER.format(label="", index=-1, file="cube.ply", matrix=text)
+
+
 BAD = {
     "words.mlp": ("hello", "it is not XML"),
     "empty.mlp": ("", "it is not XML"),
@@ -200,10 +204,10 @@ BAD = {
     "nameless.mlp": (
         '<MeshLabProject><MLMesh label="x" filename=""/></MeshLabProject>', "names no file"
     ),
-    "short.mlp": (LAYER.format(label="", index=-1, file="cube.ply", matrix="1 0 0"), "16 finite numbers"),
-    "word.mlp": (LAYER.format(label="", index=-1, file="cube.ply", matrix="one"), "16 finite numbers"),
+    "short.mlp": (matrix_of("1 0 0"), "16 finite numbers"),
+    "word.mlp": (matrix_of("one"), "16 finite numbers"),
     "nan.mlp": (
-        LAYER.format(label="", index=-1, file="cube.ply", matrix="nan " * 16), "16 finite numbers"
+        matrix_of("nan " * 16), "16 finite numbers"
     ),
     "count.aln": ("cube.ply\n", "first line must be the number"),
     "empty.aln": ("", "first line must be the number"),

@@ -1,0 +1,247 @@
+"""Layers written as they are: matrices baked or left out, textures, what cannot be written."""
+
+from __future__ import annotations
+
+import shutil
+
+import numpy as np
+import pymeshlab
+import pytest
+
+from meshlab_symrecon.errors import FileError, HostError, SymReconWarning
+from meshlab_symrecon.host import export
+from meshlab_symrecon.host.baking import bake_layer
+from meshlab_symrecon.host.export import attribute_options, export_layer
+from meshlab_symrecon.host.files import load, new_document
+from meshlab_symrecon.host.mask import SAVED, held_flags, save_options
+from meshlab_symrecon.host.meshset import read_layer
+
+SHEARED = np.array([[2, 0.3, 0, 1], [0, 1, 0.1, -2], [0, 0, 0.5, 3e-7], [0, 0, 0, 1]])
+MIRRORED = SHEARED @ np.diag([-1.0, 1, 1, 1])
+
+
+def ball(cloud=False):
+    mesh_set = new_document()
+    mesh_set.create_sphere(subdiv=2)
+    if cloud:
+        mesh = mesh_set.current_mesh()
+        points, normals = mesh.vertex_matrix(), mesh.vertex_normal_matrix()
+        mesh_set = new_document()
+        mesh_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_normals_matrix=normals))
+    return mesh_set
+
+
+def moved(mesh_set, matrix):
+    mesh_set.set_matrix(transformmatrix=matrix, freeze=False)
+    return mesh_set
+
+
+@pytest.mark.parametrize("cloud", [False, True])
+@pytest.mark.parametrize("matrix", [SHEARED, MIRRORED], ids=["sheared", "mirrored"])
+def test_baking_is_what_reading_the_layer_gives(cloud, matrix):
+    mesh_set = moved(ball(cloud), matrix)
+    expected = read_layer(mesh_set, 0)
+    bake_layer(mesh_set, 0)
+    mesh = mesh_set.mesh(0)
+    assert np.array_equal(mesh.transform_matrix(), np.eye(4))
+    np.testing.assert_allclose(mesh.vertex_matrix(), expected.points, rtol=0, atol=1e-14)
+    normals = mesh.vertex_normal_matrix()
+    if cloud or matrix is SHEARED:
+        np.testing.assert_allclose(normals, expected.normals, rtol=0, atol=1e-12)
+    else:  # made anew from faces
+        assert np.einsum("ij,ij->i", normals, expected.normals).min() > 0.98
+    faces = mesh.face_matrix()
+    assert np.array_equal(np.sort(faces, axis=1), np.sort(expected.faces, axis=1))
+    if not cloud:
+        corners = mesh.vertex_matrix()[faces]
+        assert np.linalg.det(corners - mesh.vertex_matrix().mean(axis=0)).min() > 0  # outward
+
+
+def test_baking_leaves_other_layers_and_the_current_one():
+    mesh_set = moved(ball(), SHEARED)
+    mesh_set.create_cube()
+    moved(mesh_set, MIRRORED)
+    bake_layer(mesh_set, 0)
+    assert mesh_set.current_mesh_id() == 1
+    assert np.array_equal(mesh_set.mesh(1).transform_matrix(), MIRRORED)
+    before = mesh_set.mesh(0).vertex_matrix()
+    bake_layer(mesh_set, 0)
+    assert np.array_equal(mesh_set.mesh(0).vertex_matrix(), before)
+
+
+def test_a_cloud_without_normals_is_baked_without_making_some_up():
+    mesh_set = new_document()
+    mesh_set.add_mesh(pymeshlab.Mesh(vertex_matrix=np.eye(3)))
+    bake_layer(moved(mesh_set, SHEARED), 0)
+    assert not mesh_set.mesh(0).vertex_normal_matrix().any()
+
+
+@pytest.mark.parametrize("scale", [0.0, np.nan])
+def test_a_flattening_matrix_is_not_baked(scale):
+    mesh_set = moved(ball(), np.diag([1.0, 1.0, scale, 1.0]))
+    with pytest.raises(HostError, match="flattens"):
+        bake_layer(mesh_set, 0)
+
+
+@pytest.mark.parametrize("extension", ["ply", "obj", "off"])
+def test_matrices_are_left_out(tmp_path, extension):
+    mesh_set = moved(ball(), SHEARED)
+    path = tmp_path / f"größe 1.{extension}"
+    export_layer(mesh_set, 0, path, save_options(extension, ()))
+    again = load(path)
+    np.testing.assert_allclose(
+        again.mesh(0).vertex_matrix(), mesh_set.mesh(0).vertex_matrix(), atol=1e-6
+    )
+    assert np.array_equal(again.mesh(0).face_matrix(), mesh_set.mesh(0).face_matrix())
+    assert [file.name for file in tmp_path.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("extension", SAVED)
+def test_an_empty_layer_is_written_or_refused(tmp_path, extension):
+    mesh_set = ball()
+    mesh_set.set_selection_all()
+    mesh_set.meshing_remove_selected_vertices()
+    path = tmp_path / f"a.{extension}"
+    try:
+        export_layer(mesh_set, 0, path, save_options(extension, ()))
+    except FileError as error:
+        assert "has no points" in str(error)
+    assert path.exists() == (extension not in export.NEEDS_POINTS)
+
+
+def test_clouds_are_no_stl_and_loose_points_are_told(tmp_path):
+    with pytest.raises(FileError, match="42 points belong to no face; write .ply"):
+        cloud = new_document()
+        cloud.create_sphere(subdiv=1)
+        points = cloud.mesh(0).vertex_matrix()
+        cloud = new_document()
+        cloud.add_mesh(pymeshlab.Mesh(vertex_matrix=points))
+        export_layer(cloud, 0, tmp_path / "a.stl", save_options("stl", ()))
+    mesh_set = new_document()
+    points = np.vstack([np.eye(3), np.zeros((1, 3))])
+    mesh_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points, face_matrix=[[0, 1, 2]]))
+    with pytest.warns(SymReconWarning, match="1 points belong to no face"):
+        export_layer(mesh_set, 0, tmp_path / "b.stl", save_options("stl", ()))
+    with pytest.warns(SymReconWarning, match="1 faces were left out"):
+        export_layer(mesh_set, 0, tmp_path / "b.xyz", save_options("xyz", ()))
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["b.stl", "b.xyz"]
+
+
+@pytest.mark.parametrize("cut", [0.0, 0.5])
+@pytest.mark.parametrize("extension", ["ply", "wrl", "dae"])
+def test_a_writer_that_does_not_finish_leaves_what_was_there(tmp_path, monkeypatch, extension, cut):
+    path = tmp_path / f"a.{extension}"
+    path.write_text("old")
+    mesh_set = ball()
+
+    class Unfinished:
+        def __getattr__(self, name):
+            return getattr(mesh_set, name)
+
+        def save_current_mesh(self, file, **options):
+            mesh_set.save_current_mesh(file, **options)
+            with open(file, "r+b") as written:
+                written.truncate(int(written.seek(0, 2) * cut))
+
+    if extension == "ply" and cut:
+        pytest.skip("the writer of PLY tells")
+    with pytest.raises(FileError, match="check free space"):
+        export_layer(Unfinished(), 0, path, save_options(extension, ()))
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_custom_attributes_go_into_ply_alone(tmp_path):
+    mesh_set = ball()
+    mesh_set.compute_new_custom_scalar_attribute_per_vertex(name="height", expr="z")
+    mesh_set.compute_new_custom_scalar_attribute_per_face(name="part", expr="x0")
+    mesh_set.compute_new_custom_point_attribute_per_vertex(name="turn", x_expr="x")
+    assert attribute_options(mesh_set, 0, "obj") == {}
+    options = attribute_options(mesh_set, 0, "ply")
+    assert len(options) == 3
+    export_layer(mesh_set, 0, tmp_path / "a.ply", save_options("ply", ()) | options)
+    head = (tmp_path / "a.ply").read_bytes().partition(b"end_header")[0].decode()
+    assert "height" in head
+    assert "part" in head.partition("element face")[2]
+    assert "turn" in head
+    export_layer(
+        mesh_set, 0, tmp_path / "b.ply", save_options("ply", held_flags("ply", ball().mesh(0)))
+    )
+    assert b"height" not in (tmp_path / "b.ply").read_bytes()
+
+
+@pytest.fixture
+def textured(tmp_path):
+    """A file 'in/ball.obj' with the texture 'in/NAME'; return a function of the name."""
+
+    def make(name):
+        folder = tmp_path / "in"
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        mesh_set = ball()
+        mesh_set.compute_color_by_function_per_vertex(x="x*99+100", y="y*99+100", z="z*99+100")
+        mesh_set.compute_texcoord_parametrization_triangle_trivial_per_wedge(textdim=128)
+        mesh_set.compute_texmap_from_color(textname="a.png")
+        mesh_set.save_current_mesh(str(folder / "ball.obj"))
+        material = folder / "ball.obj.mtl"
+        material.write_text(material.read_text().replace("a.png", name))
+        if name.endswith("jpg"):
+            mesh_set.mesh(0).texture("a.png").save(str(folder / name), 30)
+            (folder / "a.png").unlink()
+        elif name != "a.png":
+            shutil.move(folder / "a.png", folder / name)
+        return folder / "ball.obj"
+
+    return make
+
+
+@pytest.mark.parametrize("name", ["a.png", "maps/a.png", "a.jpg", "maps/more/a.jpg"])
+@pytest.mark.parametrize("extension", ["ply", "obj", "dae"])
+def test_textures_go_along_byte_for_byte(textured, tmp_path, name, extension):
+    path = textured(name)
+    mesh_set = load(path)
+    assert list(mesh_set.mesh(0).textures()) == [name]
+    out = tmp_path / "out"
+    out.mkdir()
+    target = out / f"b.{extension}"
+    sources = {name: path.parent / name}
+    export_layer(mesh_set, 0, target, save_options(extension, {"wt"}), sources)
+    assert (out / name).read_bytes() == (path.parent / name).read_bytes()
+    again = load(target)
+    assert list(again.mesh(0).textures()) == [name]
+    assert again.mesh(0).has_wedge_tex_coord()
+
+
+def test_textures_without_a_file_are_written_and_without_coordinates_not(textured, tmp_path):
+    mesh_set = load(textured("maps/a.jpg"))
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+    export_layer(mesh_set, 0, tmp_path / "a" / "x.ply", save_options("ply", {"wt"}))
+    again = load(tmp_path / "a" / "x.ply")
+    image = again.mesh(0).texture("maps/a.jpg")
+    assert (image.width(), image.height()) == (128, 128)
+    export_layer(mesh_set, 0, tmp_path / "b" / "x.ply", save_options("ply", {"vn"}))
+    assert [file.name for file in (tmp_path / "b").iterdir()] == ["x.ply"]
+
+
+def test_in_place_the_texture_is_not_touched(textured):
+    path = textured("a.jpg")
+    before = (path.parent / "a.jpg").read_bytes()
+    mesh_set = load(path)
+    sources = {"a.jpg": path.parent / "a.jpg"}
+    export_layer(mesh_set, 0, path, save_options("obj", {"wt"}), sources)
+    assert (path.parent / "a.jpg").read_bytes() == before
+    again = load(path)
+    assert list(again.mesh(0).textures()) == ["a.jpg"]
+
+
+def test_textures_elsewhere_are_left_there(textured, tmp_path):
+    path = textured("../maps/a.png")
+    mesh_set = load(path)
+    assert list(mesh_set.mesh(0).textures()) == ["../maps/a.png"]
+    out = tmp_path / "deep" / "out"
+    out.mkdir(parents=True)
+    with pytest.warns(SymReconWarning, match=r"texture '\.\./maps/a\.png' lies elsewhere"):
+        export_layer(mesh_set, 0, out / "b.obj", save_options("obj", {"wt"}))
+    assert sorted(file.name for file in tmp_path.rglob("*.png")) == ["a.png"]
+    assert sorted(file.name for file in out.iterdir()) == ["b.obj", "b.obj.mtl"]
+    assert [file.name for file in out.parent.iterdir()] == ["out"]
