@@ -15,13 +15,20 @@ from meshlab_symrecon.host.atomic import replacing
 from meshlab_symrecon.host.files import FACES_ONLY, POINTS_ONLY, READABLE, new_document
 from meshlab_symrecon.host.meshset import attribute_names, current_identifier
 from meshlab_symrecon.host.notices import warn_user
-from meshlab_symrecon.host.textures import write_textures
+from meshlab_symrecon.host.exported_textures import write_textures
 from meshlab_symrecon.host.translation import translated
 
 __all__ = ["attribute_options", "export_layer", "write_staged"]
 
 UNREPORTED = ("xyz", "3mf", "dae", "e57", "wrl", "x3d")  # writers that hide a full disk
-NEEDS_POINTS = ("obj", "x3d", "3ds", "ctm")  # writers that refuse a layer without points
+NEEDS_POINTS = (
+    "obj",
+    "x3d",
+    "3ds",
+    "ctm",
+    "xyz",
+    "e57",
+)  # writers that refuse a layer without points
 TEXTURED = ("save_wedge_texcoord", "save_vertex_coord")
 ATTRIBUTE = "__ca_"  # how the options of a PLY file begin that stand for custom attributes
 

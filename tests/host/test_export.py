@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import shutil
+from pathlib import Path
 
 import numpy as np
 import pymeshlab
@@ -102,20 +102,17 @@ def test_an_empty_layer_is_written_or_refused(tmp_path, extension):
     mesh_set.set_selection_all()
     mesh_set.meshing_remove_selected_vertices()
     path = tmp_path / f"a.{extension}"
-    try:
+    if extension in export.NEEDS_POINTS:
+        with pytest.raises(FileError, match="has no points"):
+            export_layer(mesh_set, 0, path, save_options(extension, ()))
+    else:
         export_layer(mesh_set, 0, path, save_options(extension, ()))
-    except FileError as error:
-        assert "has no points" in str(error)
     assert path.exists() == (extension not in export.NEEDS_POINTS)
 
 
 def test_clouds_are_no_stl_and_loose_points_are_told(tmp_path):
-    with pytest.raises(FileError, match="42 points belong to no face; write .ply"):
-        cloud = new_document()
-        cloud.create_sphere(subdiv=1)
-        points = cloud.mesh(0).vertex_matrix()
-        cloud = new_document()
-        cloud.add_mesh(pymeshlab.Mesh(vertex_matrix=points))
+    cloud = ball(cloud=True)
+    with pytest.raises(FileError, match=r"162 points belong to no face; write \.ply"):
         export_layer(cloud, 0, tmp_path / "a.stl", save_options("stl", ()))
     mesh_set = new_document()
     points = np.vstack([np.eye(3), np.zeros((1, 3))])
@@ -140,7 +137,7 @@ def test_a_writer_that_does_not_finish_leaves_what_was_there(tmp_path, monkeypat
 
         def save_current_mesh(self, file, **options):
             mesh_set.save_current_mesh(file, **options)
-            with open(file, "r+b") as written:
+            with Path(file).open("r+b") as written:
                 written.truncate(int(written.seek(0, 2) * cut))
 
     if extension == "ply" and cut:
@@ -164,9 +161,8 @@ def test_custom_attributes_go_into_ply_alone(tmp_path):
     assert "height" in head
     assert "part" in head.partition("element face")[2]
     assert "turn" in head
-    export_layer(
-        mesh_set, 0, tmp_path / "b.ply", save_options("ply", held_flags("ply", ball().mesh(0)))
-    )
+    held = held_flags("ply", mesh_set.mesh(0))
+    export_layer(mesh_set, 0, tmp_path / "b.ply", save_options("ply", held))
     assert b"height" not in (tmp_path / "b.ply").read_bytes()
 
 
@@ -184,17 +180,15 @@ def textured(tmp_path):
         mesh_set.save_current_mesh(str(folder / "ball.obj"))
         material = folder / "ball.obj.mtl"
         material.write_text(material.read_text().replace("a.png", name))
-        if name.endswith("jpg"):
-            mesh_set.mesh(0).texture("a.png").save(str(folder / name), 30)
+        if name != "a.png":
+            mesh_set.mesh(0).texture("a.png").save(str(folder / name))
             (folder / "a.png").unlink()
-        elif name != "a.png":
-            shutil.move(folder / "a.png", folder / name)
         return folder / "ball.obj"
 
     return make
 
 
-@pytest.mark.parametrize("name", ["a.png", "maps/a.png", "a.jpg", "maps/more/a.jpg"])
+@pytest.mark.parametrize("name", ["a.png", "maps/more/a.bmp"])
 @pytest.mark.parametrize("extension", ["ply", "obj", "dae"])
 def test_textures_go_along_byte_for_byte(textured, tmp_path, name, extension):
     path = textured(name)
@@ -212,26 +206,26 @@ def test_textures_go_along_byte_for_byte(textured, tmp_path, name, extension):
 
 
 def test_textures_without_a_file_are_written_and_without_coordinates_not(textured, tmp_path):
-    mesh_set = load(textured("maps/a.jpg"))
+    mesh_set = load(textured("maps/a.png"))
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
     export_layer(mesh_set, 0, tmp_path / "a" / "x.ply", save_options("ply", {"wt"}))
     again = load(tmp_path / "a" / "x.ply")
-    image = again.mesh(0).texture("maps/a.jpg")
+    image = again.mesh(0).texture("maps/a.png")
     assert (image.width(), image.height()) == (128, 128)
     export_layer(mesh_set, 0, tmp_path / "b" / "x.ply", save_options("ply", {"vn"}))
     assert [file.name for file in (tmp_path / "b").iterdir()] == ["x.ply"]
 
 
 def test_in_place_the_texture_is_not_touched(textured):
-    path = textured("a.jpg")
-    before = (path.parent / "a.jpg").read_bytes()
+    path = textured("a.png")
+    before = (path.parent / "a.png").read_bytes()
     mesh_set = load(path)
-    sources = {"a.jpg": path.parent / "a.jpg"}
+    sources = {"a.png": path.parent / "a.png"}
     export_layer(mesh_set, 0, path, save_options("obj", {"wt"}), sources)
-    assert (path.parent / "a.jpg").read_bytes() == before
+    assert (path.parent / "a.png").read_bytes() == before
     again = load(path)
-    assert list(again.mesh(0).textures()) == ["a.jpg"]
+    assert list(again.mesh(0).textures()) == ["a.png"]
 
 
 def test_textures_elsewhere_are_left_there(textured, tmp_path):

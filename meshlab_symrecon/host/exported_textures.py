@@ -12,10 +12,6 @@ from meshlab_symrecon.host.notices import warn_user
 
 __all__ = ["write_textures"]
 
-COMPRESSED = (".jpg", ".jpeg")
-QUALITY = 95  # of 100; Qt's own choice of 75 shows
-QT_CHOICE = -1
-
 
 def write_textures(mesh: Any, path: Path, staging: Path, sources: Mapping[str, Path]) -> None:
     """Write the textures of a layer that is saved as ``path`` into a directory.
@@ -28,8 +24,7 @@ def write_textures(mesh: Any, path: Path, staging: Path, sources: Mapping[str, P
     staging : Path
         The directory. A texture in a folder of its own is written into one of that name.
     sources : mapping of str to Path
-        Files to copy instead of writing the texture of that name anew, which would compress a
-        JPEG for a second time.
+        Files to copy instead of writing the texture of that name anew.
 
     Warns
     -----
@@ -44,8 +39,7 @@ def write_textures(mesh: Any, path: Path, staging: Path, sources: Mapping[str, P
         target = staging / name
         target.parent.mkdir(parents=True, exist_ok=True)
         if source is None or not source.is_file():
-            compressed = target.suffix.lower() in COMPRESSED
-            image.save(str(target), QUALITY if compressed else QT_CHOICE)
+            image.save(str(target))
         elif not same_file(source, path.parent / name):
             shutil.copyfile(source, target)
 
