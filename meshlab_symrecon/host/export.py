@@ -12,16 +12,17 @@ import numpy as np
 
 from meshlab_symrecon.errors import FileError, HostError
 from meshlab_symrecon.host.atomic import replacing
+from meshlab_symrecon.host.exported_textures import write_textures
 from meshlab_symrecon.host.files import FACES_ONLY, POINTS_ONLY, READABLE, new_document
 from meshlab_symrecon.host.meshset import attribute_names, current_identifier
 from meshlab_symrecon.host.notices import warn_user
-from meshlab_symrecon.host.exported_textures import write_textures
 from meshlab_symrecon.host.translation import translated
 
 __all__ = ["attribute_options", "export_layer", "write_staged"]
 
 UNREPORTED = ("xyz", "3mf", "dae", "e57", "wrl", "x3d")  # writers that hide a full disk
-NEEDS_POINTS = (
+# Writers that refuse a layer without points, hide that they do, or end the process on it.
+NEEDS_POINTS = ("obj", "x3d", "3ds", "ctm", "xyz", "e57", "nxs", "nxz")
     "obj",
     "x3d",
     "3ds",
