@@ -23,13 +23,6 @@ __all__ = ["attribute_options", "export_layer", "write_staged"]
 UNREPORTED = ("xyz", "3mf", "dae", "e57", "wrl", "x3d")  # writers that hide a full disk
 # Writers that refuse a layer without points, hide that they do, or end the process on it.
 NEEDS_POINTS = ("obj", "x3d", "3ds", "ctm", "xyz", "e57", "nxs", "nxz")
-    "obj",
-    "x3d",
-    "3ds",
-    "ctm",
-    "xyz",
-    "e57",
-)  # writers that refuse a layer without points
 TEXTURED = ("save_wedge_texcoord", "save_vertex_coord")
 ATTRIBUTE = "__ca_"  # how the options of a PLY file begin that stand for custom attributes
 
