@@ -124,8 +124,10 @@ def test_clouds_are_no_stl_and_loose_points_are_told(tmp_path):
     assert sorted(file.name for file in tmp_path.iterdir()) == ["b.stl", "b.xyz"]
 
 
-@pytest.mark.parametrize("cut", [0.0, 0.5])
-@pytest.mark.parametrize("extension", ["ply", "wrl", "dae"])
+@pytest.mark.parametrize(
+    ("extension", "cut"), [("ply", 0.0), ("wrl", 0.0), ("wrl", 0.5), ("dae", 0.5), ("xyz", 0.0)]
+)
+@pytest.mark.filterwarnings("ignore::meshlab_symrecon.errors.SymReconWarning")
 def test_a_writer_that_does_not_finish_leaves_what_was_there(tmp_path, monkeypatch, extension, cut):
     path = tmp_path / f"a.{extension}"
     path.write_text("old")
@@ -140,8 +142,6 @@ def test_a_writer_that_does_not_finish_leaves_what_was_there(tmp_path, monkeypat
             with Path(file).open("r+b") as written:
                 written.truncate(int(written.seek(0, 2) * cut))
 
-    if extension == "ply" and cut:
-        pytest.skip("the writer of PLY tells")
     with pytest.raises(FileError, match="check free space"):
         export_layer(Unfinished(), 0, path, save_options(extension, ()))
     assert path.read_text() == "old"
@@ -175,8 +175,8 @@ def textured(tmp_path):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         mesh_set = ball()
         mesh_set.compute_color_by_function_per_vertex(x="x*99+100", y="y*99+100", z="z*99+100")
-        mesh_set.compute_texcoord_parametrization_triangle_trivial_per_wedge(textdim=128)
-        mesh_set.compute_texmap_from_color(textname="a.png")
+        mesh_set.compute_texcoord_parametrization_triangle_trivial_per_wedge(textdim=64)
+        mesh_set.compute_texmap_from_color(textname="a.png", textw=64, texth=64)
         mesh_set.save_current_mesh(str(folder / "ball.obj"))
         material = folder / "ball.obj.mtl"
         material.write_text(material.read_text().replace("a.png", name))
@@ -212,7 +212,7 @@ def test_textures_without_a_file_are_written_and_without_coordinates_not(texture
     export_layer(mesh_set, 0, tmp_path / "a" / "x.ply", save_options("ply", {"wt"}))
     again = load(tmp_path / "a" / "x.ply")
     image = again.mesh(0).texture("maps/a.png")
-    assert (image.width(), image.height()) == (128, 128)
+    assert (image.width(), image.height()) == (64, 64)
     export_layer(mesh_set, 0, tmp_path / "b" / "x.ply", save_options("ply", {"vn"}))
     assert [file.name for file in (tmp_path / "b").iterdir()] == ["x.ply"]
 
