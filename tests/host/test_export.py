@@ -175,8 +175,8 @@ def textured(tmp_path):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         mesh_set = ball()
         mesh_set.compute_color_by_function_per_vertex(x="x*99+100", y="y*99+100", z="z*99+100")
-        mesh_set.compute_texcoord_parametrization_triangle_trivial_per_wedge(textdim=64)
-        mesh_set.compute_texmap_from_color(textname="a.png", textw=64, texth=64)
+        mesh_set.compute_texcoord_parametrization_triangle_trivial_per_wedge(textdim=128)
+        mesh_set.compute_texmap_from_color(textname="a.png", textw=128, texth=128)
         mesh_set.save_current_mesh(str(folder / "ball.obj"))
         material = folder / "ball.obj.mtl"
         material.write_text(material.read_text().replace("a.png", name))
@@ -212,7 +212,7 @@ def test_textures_without_a_file_are_written_and_without_coordinates_not(texture
     export_layer(mesh_set, 0, tmp_path / "a" / "x.ply", save_options("ply", {"wt"}))
     again = load(tmp_path / "a" / "x.ply")
     image = again.mesh(0).texture("maps/a.png")
-    assert (image.width(), image.height()) == (64, 64)
+    assert (image.width(), image.height()) == (128, 128)
     export_layer(mesh_set, 0, tmp_path / "b" / "x.ply", save_options("ply", {"vn"}))
     assert [file.name for file in (tmp_path / "b").iterdir()] == ["x.ply"]
 
