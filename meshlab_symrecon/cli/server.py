@@ -29,7 +29,7 @@ OF_TEXTURES = "tex"  # in the Python name of every filter that may change a text
 def main(words: Sequence[str] | None = None) -> NoReturn:
     """Run a command line and exit: 0 done, 1 an error, 2 wrong usage."""
     given = sys.argv[1:] if words is None else list(words)
-    os.environ.setdefault("QT_LOGGING_RULES", LOUD)
+    os.environ["QT_LOGGING_RULES"] = LOUD  # before anything imports pymeshlab
     exit_with(lambda: serve(given))
 
 

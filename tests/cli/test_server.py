@@ -12,6 +12,7 @@ import pytest
 
 from meshlab_symrecon import __version__
 from meshlab_symrecon.cli.server import main
+from meshlab_symrecon.cli.server_job import FLAGS
 from meshlab_symrecon.host import export
 from meshlab_symrecon.host.files import READABLE, load, new_document
 from meshlab_symrecon.host.mask import SAVED
@@ -23,10 +24,7 @@ MOVE = (
     '<filter name="Transform: Translate, Center, set Origin"><Param type="RichDynamicFloat" '
     'name="axisX" value="{x}" min="-99" max="99"/></filter>\n'
 )
-COPY = (
-    '<filter name="Duplicate Current Layer"><Param type="RichString" name="newName" '
-    'value="copy"/></filter>\n'
-)
+COPY = '<filter name="Duplicate Current layer"/>\n'
 CUT = (
     '<filter name="Simplification: Quadric Edge Collapse Decimation"><Param type="RichInt" '
     'name="TargetFaceNum" value="{faces}"/></filter>\n'
@@ -129,24 +127,8 @@ def test_without_m_coordinates_and_faces_alone(serve, place):
 def test_scripts_run_in_order_on_the_last_mesh_whatever_the_order_of_options(serve, place):
     script(place / "one.mlx", MOVE.format(x=1))
     script(place / "ten.mlx", MOVE.format(x=10), COPY, MOVE.format(x=100))
-    words = [
-        "-o",
-        "last.ply",
-        "-s",
-        "one.mlx",
-        "-i",
-        "cube.ply",
-        "-o",
-        "first.ply",
-        "-l",
-        "0",
-        "-s",
-        "ten.mlx",
-        "-o",
-        "one.ply",
-        "-l",
-        "x",
-    ]
+    words = ["-o", "last.ply", "-s", "one.mlx", "-i", "cube.ply", "-o", "first.ply", "-l", "0"]
+    words += ["-s", "ten.mlx", "-o", "one.ply", "-l", "x"]
     code, out, err = serve(*words)
     assert code == 0, err
     assert corner("first.ply")[0] == 10.5
@@ -234,7 +216,18 @@ def test_everything_is_checked_first_and_told_at_once(serve, place):
     (place / "broken.mlx").write_text("<FilterScript>")
     (place / "p.mlp").write_text('<MeshLabProject><MLMesh filename="gone.ply"/></MeshLabProject>')
     before = names(place)
-    words = ["-i", "none.ply", "cube.doc", "-p", "p.mlp", "-s", "bad.mlx", "broken.mlx", "no.mlx"]
+    words = [
+        "-i",
+        "none.ply",
+        "cube.doc",
+        "cube.ply",
+        "-p",
+        "p.mlp",
+        "-s",
+        "bad.mlx",
+        "broken.mlx",
+        "no.mlx",
+    ]
     words += ["-o", "a.gts", "-o", "x/y.ply", "-o", "copy.mlx", "-o", "b.ply", "-o", "b.ply"]
     words += ["-w", "cube.ply.mlp", "-l", "none/log.txt", "--json", "cube.ply", "-d", "b.ply"]
     code, out, err = serve(*words)
@@ -329,11 +322,11 @@ def test_projects_in_and_out(serve, place):
     assert "the project is written as q.mlp" in out
     for name, middle in (("o.mlp", "_out"), ("q.mlp", "_out1")):
         written = load_project(place / name)
-        assert [mesh.label() for mesh in written] == ["a", "b", "cube.ply", "copy"]
+        assert [mesh.label() for mesh in written] == ["a", "b", "cube.ply", "a(1)"]
         assert np.array_equal(written.mesh(0).transform_matrix(), MATRIX)
         assert np.array_equal(written.mesh(3).transform_matrix(), MATRIX)
         assert written.mesh(1).has_vertex_color()
-        for file in (f"cube{middle}.ply", f"ball 1{middle}.PLY", f"copy{middle}.ply"):
+        for file in (f"cube{middle}.ply", f"ball 1{middle}.PLY", f"a1{middle}.ply"):
             assert (place / file).exists()
     assert counts("cube.ply") == [(8, 12)]
 
@@ -445,42 +438,9 @@ def test_every_filter_is_dumped_and_listed(serve, place):
 def test_help_names_every_option_and_flag(serve, place):
     code, out, _ = serve("--help")
     assert code == 0
-    for word in [
-        "-i",
-        "-p",
-        "-s",
-        "-o",
-        "-l",
-        "-m",
-        "-w",
-        "-x",
-        "-d",
-        "-om",
-        "--keep-all",
-        "--bake",
-        "--strict",
-        "--lenient",
-        "--dry-run",
-        "--json",
-        "--list-filters",
-        "--help",
-        "--version",
-        "vc",
-        "vf",
-        "vq",
-        "vn",
-        "vt",
-        "vr",
-        "fc",
-        "ff",
-        "fq",
-        "fn",
-        "wc",
-        "wn",
-        "wt",
-        "mp",
-        "sa",
-    ]:
+    options = "-i -p -s -o -l -m -w -x -d -om --keep-all --bake --strict --lenient --dry-run"
+    options += " --json --list-filters --help --version"
+    for word in (*options.split(), *FLAGS):
         assert re.search(rf"(^|\s){word}\b", out), word
     assert max(map(len, out.splitlines())) <= 100
     assert serve("--version")[1] == f"symrecon-server {__version__}\n"
