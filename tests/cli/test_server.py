@@ -126,13 +126,13 @@ def test_without_m_coordinates_and_faces_alone(serve, place):
 
 def test_scripts_run_in_order_on_the_last_mesh_whatever_the_order_of_options(serve, place):
     script(place / "one.mlx", MOVE.format(x=1))
-    script(place / "ten.mlx", MOVE.format(x=10), COPY, MOVE.format(x=100))
+    script(place / "ten.mlx", MOVE.format(x=2), COPY, MOVE.format(x=4))
     words = ["-o", "last.ply", "-s", "one.mlx", "-i", "cube.ply", "-o", "first.ply", "-l", "0"]
     words += ["-s", "ten.mlx", "-o", "one.ply", "-l", "x"]
     code, out, err = serve(*words)
     assert code == 0, err
-    assert corner("first.ply")[0] == 10.5
-    assert corner("last.ply") == corner("one.ply") == [99.5 + 11, -0.5, -0.5]
+    assert corner("first.ply")[0] == 2.5
+    assert corner("last.ply") == corner("one.ply") == [6.5, -0.5, -0.5]
     steps = re.findall(r"^(\S+\.mlx:\d+): (\w+)", out, re.MULTILINE)
     assert [place for place, _ in steps] == ["one.mlx:3", "ten.mlx:3", "ten.mlx:4", "ten.mlx:5"]
     assert out.index("cube.ply loaded") < out.index("one.mlx:3") < out.index("saved as last.ply")
@@ -322,11 +322,11 @@ def test_projects_in_and_out(serve, place):
     assert "the project is written as q.mlp" in out
     for name, middle in (("o.mlp", "_out"), ("q.mlp", "_out1")):
         written = load_project(place / name)
-        assert [mesh.label() for mesh in written] == ["a", "b", "cube.ply", "a(1)"]
+        assert [mesh.label() for mesh in written] == ["a", "b", "cube.ply", "a_copy"]
         assert np.array_equal(written.mesh(0).transform_matrix(), MATRIX)
         assert np.array_equal(written.mesh(3).transform_matrix(), MATRIX)
         assert written.mesh(1).has_vertex_color()
-        for file in (f"cube{middle}.ply", f"ball 1{middle}.PLY", f"a1{middle}.ply"):
+        for file in (f"cube{middle}.ply", f"ball 1{middle}.PLY", f"a_copy{middle}.ply"):
             assert (place / file).exists()
     assert counts("cube.ply") == [(8, 12)]
 
