@@ -23,7 +23,8 @@ from meshlab_symrecon.errors import FileError, SymReconError
 __all__ = ["main", "serve"]
 
 LOUD = "default.debug=true"  # for Qt, whose messages carry the log of the filters
-OF_TEXTURES = "tex"  # in the Python name of every filter that may change a texture
+# One of these is in the Python name of every filter that may change a texture.
+OF_TEXTURES = ("texture", "texmap", "texcoord")
 
 
 def main(words: Sequence[str] | None = None) -> NoReturn:
@@ -247,7 +248,7 @@ class _Run:
         """Return the files of a layer's textures, if no step can have changed them."""
         origin = self.origins.get(identifier)
         names = [step.filter for report in self.reports for step in report.steps]
-        if origin is None or any(OF_TEXTURES in name for name in names):
+        if origin is None or any(word in name for name in names for word in OF_TEXTURES):
             return {}
         textures = self.mesh_set.mesh(identifier).textures()
         return {name: origin.parent / name for name in textures}

@@ -122,6 +122,6 @@ def _check_targets(job: Job, problems: _Problems) -> None:
         problems.of(check_output, project.path, [*job.scripts, *meshes, *earlier], ())
         earlier.append(project.path)
     for path in (job.log, job.dump, job.report):
-        if path is not None:
+        if path is not None and not (path == job.log and path.is_char_device()):  # /dev/null
             problems.of(check_output, path, [*kept, *meshes, *earlier], ())
             earlier.append(path)

@@ -156,6 +156,41 @@ def test_several_files_behind_one_o_are_the_first_layers(serve, place):
     assert counts("a.off") + counts("b.off") == [(8, 12), (162, 320)]
 
 
+def test_a_document_that_stays_empty_has_no_layer(serve, place):
+    script(place / "s.mlx")
+    for layer in ("c", "x", "0"):
+        code, _, err = serve("-s", "s.mlx", "-o", "a.ply", "-l", layer)
+        assert code == 1
+        assert err == "error: a.ply cannot be written: there is no layer; load one (-i)\n"
+
+
+def test_the_log_may_be_a_device(serve, place):
+    assert serve("-l", "/dev/null", "-i", "cube.ply", "-o", "a.ply")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("step", "copied"),
+    [
+        ("Normalize Vertex Normals", True),  # nothing of textures
+        ("Select All", True),
+        ("Convert PerWedge UV into PerVertex UV", False),
+    ],
+)
+def test_textures_that_no_step_can_have_changed_are_copied(serve, place, step, copied):
+    mesh_set = load("ball 1.PLY")
+    mesh_set.compute_texcoord_parametrization_triangle_trivial_per_wedge(textdim=128)
+    mesh_set.compute_texmap_from_color(textname="a.png", textw=128, texth=128)
+    mesh_set.save_current_mesh("t.obj")
+    marked = (place / "a.png").read_bytes() + b"mark"  # behind the picture, where none looks
+    (place / "a.png").write_bytes(marked)
+    script(place / "s.mlx", f'<filter name="{step}"/>\n')
+    (place / "out").mkdir()
+    code, _, err = serve("-i", "t.obj", "-s", "s.mlx", "-o", "out/t.obj", "-m", "wt")
+    assert code == 0, err
+    assert ((place / "out" / "a.png").read_bytes() == marked) == copied
+    assert names(place / "out") == ["a.png", "t.obj", "t.obj.mtl"]
+
+
 def test_a_script_may_make_the_first_layer(serve, place):
     script(place / "s.mlx", '<filter name="Icosahedron"/>\n')
     assert serve("-s", "s.mlx", "-o", "a.ply")[0] == 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pymeshlab
@@ -257,3 +258,13 @@ def test_the_table_has_every_format_that_pymeshlab_writes_here(full, tmp_path):
         if path.exists():
             able.add(extension)
     assert able == set(SAVED)
+
+
+def test_the_page_on_meshlabserver_has_this_table():
+    page = Path(__file__).parents[2] / "docs" / "meshlabserver.md"
+    told = {flag: set() for flag in FLAGS}
+    for row in re.findall(r"^\| (`\w\w`[^|]*)\|[^|]*\|([^|:]*)", page.read_text(), re.MULTILINE):
+        for flag in re.findall(r"`(\w\w)`", row[0]):
+            told[flag] |= set(row[1].split()) - {"none"}
+    shown = {flag: {name for name in SHOWN if flag in SHOWN[name]} for flag in ATTRIBUTES}
+    assert told == shown | {"sa": {"ply", "stl"}}
