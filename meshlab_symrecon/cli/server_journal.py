@@ -48,6 +48,7 @@ def journal_of(words: Sequence[str], log: Path | None) -> Iterator[Journal]:
         The log file cannot be written.
     """
     journal = Journal()
+    file = None if log is None else log.absolute()  # a reader that fails changes the directory
     try:
         with _warnings_kept(journal):
             yield journal
@@ -55,8 +56,8 @@ def journal_of(words: Sequence[str], log: Path | None) -> Iterator[Journal]:
         journal.keep(f"error: {error}" if str(error) else f"ended by {type(error).__name__}")
         raise
     finally:
-        if log is not None:
-            _append(log, words, journal.lines)
+        if file is not None:
+            _append(file, words, journal.lines)
 
 
 @contextmanager

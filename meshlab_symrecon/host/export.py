@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import locale
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -82,9 +83,9 @@ def write_staged(
     _check_losses(mesh, path, extension)
     before = current_identifier(mesh_set)
     try:
-        with translated(f"{path} cannot be written"), _locale_kept():
+        with translated(f"{path} cannot be written"), _process_kept():
             mesh_set.set_current_mesh(identifier)
-            mesh_set.save_current_mesh(str(staged), save_textures=False, **options)
+            mesh_set.save_current_mesh(str(staged.resolve()), save_textures=False, **options)
             if any(options.get(name) for name in TEXTURED):
                 write_textures(mesh_set.mesh(identifier), path, staged.parent, textures or {})
     except HostError as error:
@@ -120,12 +121,17 @@ def _check_losses(mesh: Any, path: Path, extension: str) -> None:
 
 
 @contextmanager
-def _locale_kept() -> Iterator[None]:
-    """Undo what the 3MF writer does: it sets the locale of the whole process to ``C``."""
+def _process_kept() -> Iterator[None]:
+    """Undo what readers and writers leave changed in the whole process.
+
+    The 3MF writer sets the locale to ``C``; one that fails stays in the directory of the file.
+    """
+    directory = Path.cwd()
     before = locale.setlocale(locale.LC_ALL)
     try:
         yield
     finally:
+        os.chdir(directory)
         locale.setlocale(locale.LC_ALL, before)
 
 
@@ -137,7 +143,7 @@ def _check_whole(mesh: Any, path: Path, extension: str, staged: Path) -> None:
         return
     written = new_document()
     try:
-        with translated(f"{path} cannot be written"):
+        with translated(f"{path} cannot be written"), _process_kept():
             written.load_new_mesh(str(staged))
         faces = sum(layer.face_number() for layer in written)
     except HostError:

@@ -91,7 +91,7 @@ def passed_over(extension: str, flags: Collection[str]) -> tuple[str, ...]:
 def held_flags(extension: str, mesh: Any) -> frozenset[str]:
     """Return the flags of everything that a layer has and a format can hold.
 
-    Quality above 0 throughout is left out of E57, whose writer refuses it.
+    Quality that is above or below 0 throughout is left out of E57, whose writer refuses it.
 
     Parameters
     ----------
@@ -100,7 +100,11 @@ def held_flags(extension: str, mesh: Any) -> frozenset[str]:
     mesh : pymeshlab.Mesh
     """
     absent = {flag for flag, question in QUESTIONS.items() if not getattr(mesh, question)()}
-    if extension == "e57" and np.min(mesh.vertex_scalar_array(), initial=np.inf) > 0.0:
+    if extension == "e57" and not _around_zero(mesh.vertex_scalar_array()):
         absent.add("vq")
     wanted = set(SAVED[extension]) - absent
     return frozenset(wanted - set(passed_over(extension, wanted)))
+
+
+def _around_zero(values: Any) -> bool:
+    return bool(np.min(values, initial=np.inf) <= 0.0 <= np.max(values, initial=-np.inf))

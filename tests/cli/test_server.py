@@ -239,6 +239,27 @@ def test_one_output_that_fails_leaves_the_others(serve, place):
     assert err.strip() in (place / "log.txt").read_text()
 
 
+def test_a_writer_that_fails_leaves_the_process_where_it_was(serve, place):
+    function = '<Param type="RichString" name="q" value="x+5"/>'
+    script(place / "s.mlx", f'<filter name="Per Vertex Quality Function">{function}</filter>\n')
+    (place / "out").mkdir()
+    words = ["-i", "cube.ply", "-s", "s.mlx", "-o", "out/a.e57", "-m", "vq", "-o", "out/b.ply"]
+    code, _, err = serve(*words, "--json", "r.json", "-l", "log.txt")
+    assert code == 1
+    assert "error: out/a.e57 cannot be written" in err
+    assert names(place / "out") == ["b.ply"]
+    assert {"r.json", "log.txt"} <= set(names(place))
+
+
+def test_the_log_of_a_reader_that_fails_is_where_it_should_be(serve, place):
+    (place / "in").mkdir()
+    (place / "in" / "bad.off").write_text("hello")
+    code, _, err = serve("-l", "log.txt", "-i", "in/bad.off", "-o", "a.ply")
+    assert code == 1
+    assert err.strip() in (place / "log.txt").read_text()
+    assert names(place / "in") == ["bad.off"]
+
+
 def test_a_layer_that_cannot_be_is_refused_before_anything_is_written(serve, place):
     code, _, err = serve("-i", "cube.ply", "-o", "a.ply", "-o", "b.ply", "-l", "1")
     assert code == 1

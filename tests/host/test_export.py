@@ -131,6 +131,7 @@ def test_clouds_are_no_stl_and_loose_points_are_told(tmp_path):
 def test_a_writer_that_does_not_finish_leaves_what_was_there(tmp_path, monkeypatch, extension, cut):
     path = tmp_path / f"a.{extension}"
     path.write_text("old")
+    before = Path.cwd()
     mesh_set = ball()
 
     class Unfinished:
@@ -146,6 +147,7 @@ def test_a_writer_that_does_not_finish_leaves_what_was_there(tmp_path, monkeypat
         export_layer(Unfinished(), 0, path, save_options(extension, ()))
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
+    assert Path.cwd() == before
 
 
 def test_custom_attributes_go_into_ply_alone(tmp_path):
