@@ -21,6 +21,9 @@ from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.plugin import Layer, Layers
 
 __all__ = [
+    "FACE_POINT_PREFIX",
+    "FACE_SCALAR_PREFIX",
+    "POINT_PREFIX",
     "SCALAR_PREFIX",
     "add_layer",
     "attribute_names",
@@ -33,6 +36,9 @@ __all__ = [
 HALF_A_STEP = 0.5 / 255.0  # pymeshlab cuts colours down to bytes; this makes it round
 ROUNDED = 1e-12  # what products and inverses of matrices leave in the last row
 SCALAR_PREFIX = "__ca_vs__"  # how the options of a PLY file list custom scalars of vertices
+POINT_PREFIX = "__ca_vp__"  # custom points of vertices
+FACE_SCALAR_PREFIX = "__ca_fs__"  # custom scalars of faces
+FACE_POINT_PREFIX = "__ca_fp__"  # custom points of faces
 
 
 def layers_of(mesh_set: Any) -> Layers:

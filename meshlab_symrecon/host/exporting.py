@@ -1,0 +1,69 @@
+"""One layer through MeshLab's exporter, with what the exporter itself gets wrong put right."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from meshlab_symrecon.host.formats import TEXTURED, Contents, options_for
+from meshlab_symrecon.host.mesh_text import add_ply_edges, rename_images
+from meshlab_symrecon.host.meshset import current_identifier
+from meshlab_symrecon.host.process_state import process_kept
+from meshlab_symrecon.host.sources import input_files
+from meshlab_symrecon.host.textures import place_textures
+from meshlab_symrecon.host.translation import translated
+
+__all__ = ["export"]
+
+
+def export(
+    mesh_set: Any, identifier: int, path: Path, staged: Path, contents: Contents
+) -> Mapping[str, str]:
+    """Write a layer as it is, without its matrix; return the names of images that changed.
+
+    The images of its textures are put beside it.
+
+    MeshLab would write each image anew, at any place that its name leads to, so it is not asked to.
+
+    Raises
+    ------
+    HostError
+        MeshLab refused.
+    """
+    extension = path.suffix.removeprefix(".").lower()
+    options = options_for(contents, extension)
+    before = current_identifier(mesh_set)
+    try:
+        with translated(f"{path} cannot be written"), process_kept():
+            mesh_set.set_current_mesh(identifier)
+            mesh_set.save_current_mesh(str(staged.resolve()), save_textures=False, **options)
+    finally:
+        mesh_set.set_current_mesh(before)
+    names: Mapping[str, str] = {}
+    if extension in TEXTURED:
+        names = place_textures(mesh_set, identifier, path, staged)
+        materials = staged.with_name(f"{staged.name}.mtl")
+        for file in (staged, materials):
+            rename_images(file, names)
+        _settle_materials(mesh_set, path, staged, materials)
+    if extension == "ply" and contents.edges:
+        add_ply_edges(staged, np.asarray(mesh_set.mesh(identifier).edge_matrix()))
+    return names
+
+
+def _settle_materials(mesh_set: Any, path: Path, staged: Path, materials: Path) -> None:
+    """Give a file of materials another name when an input's has the one that MeshLab chose."""
+    folder, protected = path.resolve().parent, input_files(mesh_set)
+    number, name = 1, materials.name
+    while folder / name in protected:
+        number += 1
+        name = f"{path.name}-{number}.mtl"
+    if name == materials.name or not materials.exists():
+        return
+    content = staged.read_bytes()
+    old, new = (f"mtllib ./{word}".encode() for word in (materials.name, name))
+    staged.write_bytes(content.replace(old, new, 1))
+    materials.replace(materials.with_name(name))
