@@ -93,7 +93,7 @@ def _inherit(mesh_set: Any, identifier: int, copy: Any, names: Mapping[str, str]
         if file is not None:
             textures[names.get(name, name)] = file
     files = tuple(input_files(mesh_set))
-    remember(copy, 0, Source(files, textures, new.missing, old.held))
+    remember(copy, 0, Source(files, textures, new.missing, old.held, new.attributes))
 
 
 def _move(copy: Any, layer: Layer, mirrored: bool) -> None:

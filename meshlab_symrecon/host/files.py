@@ -251,8 +251,7 @@ def _check_losses(mesh: Any, contents: Contents, path: Path, extension: str) -> 
         warn_user(f"{words}, so they were left out; write .ply to keep them")
     lost = lost_in(contents, extension)
     if lost:
-        words = f"{path}: .{extension} cannot hold {', '.join(lost)}, so this was left out"
-        warn_user(f"{words}; write .ply to keep it")
+        warn_user(f"{path}: .{extension} cannot keep {', '.join(lost)}; write .ply to keep all")
 
 
 def _in_faces(mesh: Any) -> int:

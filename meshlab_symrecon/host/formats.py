@@ -40,7 +40,7 @@ FACE_QUALITY = "face quality"
 SELECTED = "the vertex selection"
 FACE_SELECTED = "the face selection"
 EDGES = "edges"
-POLYGONS = "polygons (written as triangles)"
+POLYGONS = "polygons, which became triangles"
 ATTRIBUTES = "custom attributes"
 SCRATCH = "symreconscratch"  # how names of attributes begin that are never written
 

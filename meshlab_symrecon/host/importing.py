@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -36,16 +36,18 @@ def after_loading(mesh_set: Any, identifier: int, path: Path) -> None:
     held = {QUALITY} if mesh.has_vertex_scalar() else set()
     if mesh.has_vertex_color():
         held.add(COLOURS)
+    attributes: Mapping[str, str] = {}
     if extension == "ply":
         vertex = read_header(path).element("vertex")
         if vertex is not None and not {"red", "diffuse_red"} & vertex.names:
             held.discard(COLOURS)  # MeshLab makes white ones for an intensity
-        add_unread_properties(mesh_set, identifier, path)
+        attributes = add_unread_properties(mesh_set, identifier, path)
     libraries = _libraries(path) if extension == "obj" else ()
     named = _named_images(path, extension, libraries)
     textures, missing = _found(path, mesh_set.mesh(identifier).textures(), named)
     files = (path, *libraries, *(path.parent / name for name in named), *textures.values())
-    remember(mesh_set, identifier, Source(files, textures, missing, frozenset(held)))
+    source = Source(files, textures, missing, frozenset(held), attributes)
+    remember(mesh_set, identifier, source)
 
 
 def _libraries(path: Path) -> tuple[Path, ...]:

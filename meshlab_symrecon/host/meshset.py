@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from meshlab_symrecon.arrays import Booleans, Faces, Floats, Points
 from meshlab_symrecon.errors import HostError
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.sources import source_of
 from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.plugin import Layer, Layers
 
@@ -63,7 +64,7 @@ def read_layer(mesh_set: Any, identifier: int) -> Layer:
     matrix mirrors, so that they face outward still. Attributes that MeshLab gives to every layer
     count as absent while they hold nothing: normals that are all zero, colours that are all white,
     quality that is all zero. Custom attributes whose names are not plain lower case are left out
-    with a warning, since pymeshlab does not tell such names.
+    with a warning, since pymeshlab does not tell such names, unless they came with a PLY file.
 
     Raises
     ------
@@ -218,7 +219,9 @@ def _selection(flags: ArrayLike) -> Booleans | None:
 
 def _attributes(mesh_set: Any, identifier: int) -> Mapping[str, Floats]:
     found = {}
-    for name in attribute_names(mesh_set, identifier):
+    known = source_of(mesh_set, identifier).attributes
+    for listed in attribute_names(mesh_set, identifier):
+        name = known.get(listed, listed)
         try:
             values = mesh_set.mesh(identifier).vertex_custom_scalar_attribute_array(name)
         except pymeshlab.PyMeshLabException:

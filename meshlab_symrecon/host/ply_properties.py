@@ -50,11 +50,16 @@ class _Kept:
     faces: Indices | None
 
 
-def add_unread_properties(mesh_set: Any, identifier: int, path: Path) -> None:
+def add_unread_properties(mesh_set: Any, identifier: int, path: Path) -> Mapping[str, str]:
     """Give a layer that was loaded from a PLY file the properties that MeshLab dropped.
 
     Single numbers become custom scalars, lists of three numbers custom points. ``confidence``
     becomes the vertex quality, too, where there is no other.
+
+    Returns
+    -------
+    mapping of str to str
+        The names of the custom scalars of the vertices, by the names that pymeshlab lists.
 
     Raises
     ------
@@ -73,7 +78,7 @@ def add_unread_properties(mesh_set: Any, identifier: int, path: Path) -> None:
     wanted_face = () if face is None else _unread(face, FACE_READ, FACE_LISTS)
     _warn_of_elements(path, header)
     if not wanted_vertex and not wanted_face:
-        return
+        return {}
     mesh = mesh_set.mesh(identifier)
     try:
         vertices = read_columns(path, header, "vertex", {"x", "y", "z", *wanted_vertex})
@@ -82,10 +87,13 @@ def add_unread_properties(mesh_set: Any, identifier: int, path: Path) -> None:
         kept = _kept(mesh, vertices, faces)
     except ValueError as error:
         _warn_of_all(path, [*wanted_vertex, *wanted_face], str(error))
-        return
-    _add(mesh, path, "vertex", {name: vertices[name] for name in wanted_vertex}, kept.vertices)
+        return {}
+    scalars = _add(
+        mesh, path, "vertex", {name: vertices[name] for name in wanted_vertex}, kept.vertices
+    )
     _add(mesh, path, "face", {name: faces[name] for name in wanted_face}, kept.faces)
-    _set_quality(mesh_set, identifier, vertex, wanted_vertex)
+    _set_quality(mesh_set, identifier, vertex, frozenset(scalars.values()))
+    return scalars
 
 
 def _unread(
@@ -169,8 +177,10 @@ def _within(triangles: Faces, flat: Indices, owners: Indices, source: Indices, c
 
 def _add(
     mesh: Any, path: Path, kind: str, columns: Mapping[str, Column], kept: Indices | None
-) -> None:
+) -> Mapping[str, str]:
+    """Add columns as custom attributes; return the names of scalars by how pymeshlab lists them."""
     taken: set[str] = set()
+    scalars = {}
     lost = []
     for name, column in columns.items():
         plain = script_name_in_python(name)
@@ -184,15 +194,18 @@ def _add(
         with translated(f"{path}: keeping '{name}'"):
             add = getattr(mesh, f"add_{kind}_custom_{form}_attribute")
             add(values[:, 0].copy() if width == 1 else values, name)
+        if width == 1:
+            scalars[plain] = name
     if lost:
         warn_user(
             f"{path}: {', '.join(lost)} of each {kind} cannot be kept by MeshLab, which takes "
             "single numbers and lists of three, under names that differ in more than their case"
         )
+    return scalars
 
 
 def _set_quality(
-    mesh_set: Any, identifier: int, vertex: Element | None, added: tuple[str, ...]
+    mesh_set: Any, identifier: int, vertex: Element | None, added: frozenset[str]
 ) -> None:
     """Set the vertex quality to what the file gives for it in a type that MeshLab misreads."""
     if vertex is None:

@@ -26,12 +26,15 @@ class Source:
         put in its place.
     held : frozenset of str
         Kinds of attributes that the file had, as ``host.formats`` calls them.
+    attributes : mapping of str to str
+        The name of each custom scalar of the vertices, by the name that pymeshlab lists.
     """
 
     files: tuple[Path, ...] = ()
     textures: Mapping[str, Path] = field(default_factory=dict)
     missing: Mapping[str, str] = field(default_factory=dict)
     held: frozenset[str] = frozenset()
+    attributes: Mapping[str, str] = field(default_factory=dict)
 
 
 _SOURCES: WeakKeyDictionary[Any, dict[int, Source]] = WeakKeyDictionary()
