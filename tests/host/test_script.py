@@ -17,11 +17,10 @@ from meshlab_symrecon.errors import (
     SymReconWarning,
     UnknownFilterError,
 )
-from meshlab_symrecon.host import old_names, resolution
+from meshlab_symrecon.host import filter_names, resolution
 from meshlab_symrecon.host.mlx import read_script, step_of, write_script
 from meshlab_symrecon.host.native_filters import (
     find_native,
-    is_native,
     native_filters,
 )
 from meshlab_symrecon.host.native_values import NativeParameter
@@ -86,8 +85,8 @@ def sphere():
         (step(DECIMATION, param("TargetPerc", "nan")),
          "parameter 'targetperc' must be a number; got nan"),
         (step("Change the current layer"), "needs the parameter 'mesh'"),
-        (step("Change the current layer", param("layer", "1", "RichMesh")),
-         "unknown parameter 'layer' of 'Change the current layer'; known is 'mesh'"),
+        (step("Change the current layer", param("which", "1", "RichMesh")),
+         "unknown parameter 'which' of 'Change the current layer'; known is 'mesh'"),
         (step("Change the current layer", param("mesh", "-1", "RichMesh")),
          "parameter 'mesh' must be a layer's position; got -1"),
     ],
@@ -235,7 +234,8 @@ def test_a_camera_is_ignored_and_said_so(tmp_path):
     path = written(tmp_path, step("Set Mesh Camera", '<Param type="RichShotf" name="Shot"/>'))
     (resolved,) = resolution.resolve_script(read_script(path))
     assert resolved.values == {}
-    assert resolved.notes == ("parameter 'Shot' ignored: pymeshlab takes no camera from outside",)
+    (note,) = resolved.notes
+    assert note.message == "parameter 'Shot' ignored: pymeshlab takes no camera from outside"
 
 
 def test_attributes_that_are_missing(tmp_path, sphere):
@@ -298,17 +298,6 @@ def test_positions_without_a_layer_are_no_crash(tmp_path, install, grow_filter, 
         run_script(sphere, path)
 
 
-@pytest.mark.parametrize("name", sorted(old_names.OLD_NAMES))
-def test_every_old_name_leads_to_a_filter_of_today(name):
-    old = old_names.OLD_NAMES[name]
-    assert not is_native(name)
-    if old.filter in (old_names.NOTHING, old_names.CHANGE_LAYER):
-        return
-    item = find_native(old.filter)
-    for today in (*old.values, *filter(None, old.parameters.values())):
-        assert item.find(today).name == today
-
-
 def test_old_names_and_parameters_are_mapped_and_told(tmp_path, sphere):
     path = written(
         tmp_path,
@@ -325,8 +314,7 @@ def test_old_names_and_parameters_are_mapped_and_told(tmp_path, sphere):
     assert second.filter == "no operation"
     assert third.notes[1:] == (
         "parameter 'toAll' is 'alllayers' today",
-        "parameter 'centerFlag' ignored: it is gone from 'Transform: Translate, Center, set "
-        "Origin'",
+        "parameter 'centerFlag' ignored: 'false' says nothing today",
     )
 
 
@@ -351,11 +339,39 @@ def test_the_untyped_poisson_of_old_scripts_leaves_the_cloud_current(tmp_path, s
 
 
 def test_a_cloud_is_not_deleted_by_cleaning(tmp_path, cloud_set):
-    path = written(tmp_path, step("Remove Unreferenced Vertices"))
-    (done,) = run_script(cloud_set, path).steps
+    path = written(tmp_path, step("Remove Unreferenced Vertices"), step("Laplacian Smooth"))
+    with pytest.raises(ScriptError, match=r"scan.mlx:2: .*every point would be deleted; recon"):
+        run_script(cloud_set, path)
     assert cloud_set.current_mesh().vertex_number() == 40
-    assert done.status == "mapped"
-    assert "every point would be deleted" in done.notes[0]
+
+
+def test_a_lenient_run_passes_over_what_cannot_run_and_says_so(tmp_path, cloud_set):
+    path = written(
+        tmp_path,
+        step("Remove Unreferenced Vertices"),
+        step("No Such Filter"),
+        step(
+            "Transform: Scale, Normalize",
+            param("axisX", "wide"),
+            param("axisY", "3"),
+            param("uniformFlag", "false", "RichBool"),
+        ),
+    )
+    before = cloud_set.current_mesh().vertex_matrix()
+    deleting, unknown, scaled = run_script(cloud_set, path, lenient=True).steps
+    assert (deleting.status, unknown.status, scaled.status) == ("skipped", "skipped", "mapped")
+    assert "every point would be deleted" in deleting.notes[0]
+    assert unknown.filter == ""
+    assert unknown.notes[0].startswith("no filter is called 'No Such Filter'")
+    assert scaled.notes == ("parameter 'axisx' must be a number; got 'wide'; ignored",)
+    np.testing.assert_allclose(cloud_set.current_mesh().vertex_matrix(), before * [1, 3, 1])
+
+
+def test_a_strict_run_refuses_what_would_be_mapped(tmp_path, sphere):
+    path = written(tmp_path, step("Quadric Edge Collapse Decimation"), step("Laplacian Smooth"))
+    with pytest.raises(ScriptError, match=rf"scan.mlx:2: .* is '{DECIMATION}' today"):
+        run_script(sphere, path, strict=True)
+    assert sphere.current_mesh().face_number() == 320
 
 
 def test_files_that_a_script_reads_are_looked_for_first(tmp_path, monkeypatch, installed, sphere):
@@ -364,8 +380,8 @@ def test_files_that_a_script_reads_are_looked_for_first(tmp_path, monkeypatch, i
     reader = replace(
         find_native("meshing_close_holes"), menu_name="Read File", parameters=parameters
     )
-    monkeypatch.setattr(resolution, "is_native", lambda name: name == "Read File")
-    monkeypatch.setattr(resolution, "find_native", lambda name: reader)
+    monkeypatch.setattr(filter_names, "is_native", lambda name: name == "Read File")
+    monkeypatch.setattr(filter_names, "find_native", lambda name: reader)
     path = written(
         tmp_path, step("Grow Points"), step("Read File", param("File", "no.ply", "RichOpenFile"))
     )
@@ -395,8 +411,8 @@ def test_progress_goes_from_0_to_1(tmp_path, installed, sphere):
     path = written(tmp_path, step("Grow Points"), step("Close Holes"))
     run_script(sphere, path, progress=lambda fraction, message: told.append((fraction, message)))
     assert [fraction for fraction, _ in told] == sorted(fraction for fraction, _ in told)
-    assert told[0] == (0.0, "Grow Points")
-    assert (0.5, "grown") in told
+    assert told[0] == (0.0, f"{path}:2: 'Grow Points'")
+    assert (0.5, f"{path}:2: 'Grow Points', grown") in told
     assert told[-1][0] == 1.0
 
 
