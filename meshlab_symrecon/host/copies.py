@@ -12,9 +12,9 @@ import numpy as np
 import pymeshlab
 
 from meshlab_symrecon.errors import SymReconWarning
+from meshlab_symrecon.host.attributes import SCRATCH
 from meshlab_symrecon.host.exporting import export
 from meshlab_symrecon.host.formats import (
-    SCRATCH,
     VERTEX_TEXTURE,
     WEDGES,
     WRITABLE,

@@ -8,9 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from meshlab_symrecon.arrays import Floats
+from meshlab_symrecon.host.attributes import read_attribute
 from meshlab_symrecon.host.formats import TEXTURED, Contents, options_for
-from meshlab_symrecon.host.mesh_text import add_ply_edges, rename_images
+from meshlab_symrecon.host.image_names import rename_images
 from meshlab_symrecon.host.meshset import current_identifier
+from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.ply_header import read_header
+from meshlab_symrecon.host.ply_writing import extend_ply
 from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.sources import input_files
 from meshlab_symrecon.host.textures import place_textures
@@ -49,9 +54,34 @@ def export(
         for file in (staged, materials):
             rename_images(file, names)
         _settle_materials(mesh_set, path, staged, materials)
-    if extension == "ply" and contents.edges:
-        add_ply_edges(staged, np.asarray(mesh_set.mesh(identifier).edge_matrix()))
+    if extension == "ply":
+        with translated(f"{path} cannot be written"):
+            _complete_ply(mesh_set.mesh(identifier), contents, path, staged)
     return names
+
+
+def _complete_ply(mesh: Any, contents: Contents, path: Path, staged: Path) -> None:
+    """Put edges and custom attributes into a PLY file, as far as their names are free there."""
+    header = read_header(staged)
+    columns: dict[str, dict[str, Floats]] = {}
+    taken = []
+    for attribute in contents.attributes:
+        element = header.element(attribute.element)
+        name = "_".join(attribute.name.split())
+        of_element = columns.setdefault(attribute.element, {})
+        if not attribute.known or element is None:
+            continue
+        values = read_attribute(mesh, attribute)
+        if name not in element.names and name not in of_element:
+            of_element[name] = values
+        elif name != "quality" or not np.array_equal(values, mesh.vertex_scalar_array()):
+            taken.append(attribute.name)
+    if taken:
+        words = f"{path}: custom attributes ({', '.join(taken)}) were left out"
+        warn_user(f"{words}: a PLY file has something else of that name; rename them")
+    edges = np.asarray(mesh.edge_matrix()) if contents.edges else None
+    if edges is not None or any(columns.values()):
+        extend_ply(staged, columns, edges)
 
 
 def _settle_materials(mesh_set: Any, path: Path, staged: Path, materials: Path) -> None:

@@ -8,13 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from meshlab_symrecon.host.meshset import (
-    FACE_POINT_PREFIX,
-    FACE_SCALAR_PREFIX,
-    POINT_PREFIX,
-    SCALAR_PREFIX,
-    current_identifier,
-)
+from meshlab_symrecon.host.attributes import Attribute, attributes_of
 from meshlab_symrecon.host.polygons import Polygons, polygons_of
 from meshlab_symrecon.host.sources import source_of
 
@@ -42,7 +36,6 @@ FACE_SELECTED = "the face selection"
 EDGES = "edges"
 POLYGONS = "polygons, which became triangles"
 ATTRIBUTES = "custom attributes"
-SCRATCH = "symreconscratch"  # how names of attributes begin that are never written
 
 OPTION = {
     NORMALS: "vertex_normal",
@@ -89,8 +82,8 @@ class Contents:
     points, faces, edges : int
     held : frozenset of str
         The kinds of attributes.
-    attributes : tuple of str
-        pymeshlab's options for the custom attributes.
+    attributes : tuple of Attribute
+        The custom ones.
     polygons : Polygons
     fine : bool
         Whether seven decimals are too few for its coordinates.
@@ -100,7 +93,7 @@ class Contents:
     faces: int
     edges: int
     held: frozenset[str]
-    attributes: tuple[str, ...]
+    attributes: tuple[Attribute, ...]
     polygons: Polygons
     fine: bool
 
@@ -130,28 +123,15 @@ def contents_of(mesh_set: Any, identifier: int) -> Contents:
         FACE_SELECTED: mesh.selected_face_number() > 0,
     }
     polygons = polygons_of(mesh_set, identifier) if faces else Polygons.NONE
-    attributes = _attribute_options(mesh_set, identifier)
     return Contents(
         points=mesh.vertex_number(),
         faces=faces,
         edges=mesh.edge_number(),
         held=frozenset(kind for kind, held in found.items() if held),
-        attributes=attributes,
+        attributes=attributes_of(mesh_set, identifier),
         polygons=polygons,
         fine=bool(mesh.bounding_box().diagonal() * FINE_ENOUGH < DECIMALS),
     )
-
-
-def _attribute_options(mesh_set: Any, identifier: int) -> tuple[str, ...]:
-    kinds = (SCALAR_PREFIX, POINT_PREFIX, FACE_SCALAR_PREFIX, FACE_POINT_PREFIX)
-    current = current_identifier(mesh_set)
-    mesh_set.set_current_mesh(identifier)
-    try:
-        options = mesh_set.filter_parameter_values("ply")
-    finally:
-        if current >= 0:
-            mesh_set.set_current_mesh(current)
-    return tuple(option for option in options if option.startswith(kinds) and SCRATCH not in option)
 
 
 def _as_polygons(contents: Contents, extension: str) -> bool:
@@ -174,8 +154,6 @@ def options_for(contents: Contents, extension: str) -> Mapping[str, bool]:
         options["save_polygonal"] = _as_polygons(contents, extension)
     if extension == "ply" and contents.polygons is not Polygons.NONE:
         options["save_face_flag"] = True  # where MeshLab keeps which edges are inside of a polygon
-    if extension in WITH_ATTRIBUTES:
-        options |= dict.fromkeys(contents.attributes, True)
     return options
 
 
@@ -194,7 +172,11 @@ def lost_in(contents: Contents, extension: str) -> list[str]:
     polygons = contents.polygons is not Polygons.NONE and extension not in (*POINTS_ONLY, "ply")
     if polygons and not _as_polygons(contents, extension):
         lost.append(POLYGONS)
-    if contents.attributes and extension not in WITH_ATTRIBUTES:
-        names = sorted(option.split("__", 2)[2][3:] for option in contents.attributes)
-        lost.append(f"{ATTRIBUTES} ({', '.join(names)})")
+    names = [
+        attribute.name
+        for attribute in contents.attributes
+        if extension not in WITH_ATTRIBUTES or not attribute.known
+    ]
+    if names:
+        lost.append(f"{ATTRIBUTES} ({', '.join(sorted(names))})")
     return lost

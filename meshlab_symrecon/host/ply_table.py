@@ -13,7 +13,7 @@ import numpy as np
 from meshlab_symrecon.arrays import Floats, Indices
 from meshlab_symrecon.host.ply_header import Element, Header
 
-__all__ = ["Column", "read_columns"]
+__all__ = ["Column", "read_columns", "record_of"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,8 +82,11 @@ def _raw(path: Path, header: Header) -> Any:
     return np.memmap(path, dtype=np.uint8, mode="r", offset=header.start)
 
 
-def _record(words: Any, start: int, form: str, element: Element) -> np.dtype[Any] | None:
-    """Return the layout that all items have when every list is as long as in the first item."""
+def record_of(words: Any, start: int, form: str, element: Element) -> np.dtype[Any] | None:
+    """Return the layout that all items have when every list is as long as in the first item.
+
+    None when a list is not, or when the file ends before.
+    """
     order = ">" if form == "binary_big_endian" else "<"
     fields: list[Any] = []
     position = start
@@ -126,7 +129,7 @@ def _table(words: Any, start: int, count: int, record: np.dtype[Any]) -> Any:
 def _end(words: Any, start: int, form: str, element: Element) -> int:
     if element.count == 0:
         return start
-    record = _record(words, start, form, element)
+    record = record_of(words, start, form, element)
     if record is not None:
         return start + element.count * _width(words, record)
     return _walk(words, start, form, element, [])[1]
@@ -140,7 +143,7 @@ def _columns(
     if element.count == 0:
         none = np.zeros(0, dtype=np.int64)
         return {named[number]: Column(np.zeros((0, 1)), none) for number in chosen}
-    record = _record(words, start, form, element)
+    record = record_of(words, start, form, element)
     if record is None:
         walked = _walk(words, start, form, element, chosen)[0]
         return dict(zip(named.values(), walked, strict=True))
@@ -196,7 +199,7 @@ def _gathered(data: Any, kind: np.dtype[Any], starts: Indices, lengths: Indices)
     within = np.arange(total) - np.repeat(np.cumsum(lengths) - lengths, lengths)
     places = first + within * kind.itemsize
     picked = data[places[:, None] + np.arange(kind.itemsize)]
-    values = np.ascontiguousarray(picked).view(kind).astype(np.float64).reshape(-1)
+    flat = np.ascontiguousarray(picked).view(kind).astype(np.float64)
     if len(lengths) and (lengths == lengths[0]).all():
-        values = values.reshape(len(lengths), -1)
-    return Column(values, lengths)
+        return Column(flat.reshape(len(lengths), -1), lengths)
+    return Column(flat.reshape(-1), lengths)
