@@ -54,15 +54,16 @@ WRITABLE: dict[str, tuple[str, ...]] = {
     "off": (NORMALS, COLOURS, FACE_COLOURS),
     "stl": (FACE_COLOURS,),
     "xyz": (NORMALS,),
-    "3ds": (WEDGES,),
+    "3ds": (),
     "3mf": (),
-    "dae": (NORMALS, COLOURS, WEDGES),
+    "dae": (COLOURS, WEDGES),
     "dxf": (),
     "e57": (NORMALS, COLOURS, QUALITY),
     "wrl": (COLOURS, WEDGES),
-    "x3d": (NORMALS, COLOURS, FACE_COLOURS, WEDGES),
+    "x3d": (COLOURS, FACE_COLOURS, WEDGES),
 }  # extension: what the format can hold beside points and faces, and what MeshLab may leave out
-HARMFUL = {"off": ("vertex_coord",)}  # options that MeshLab must not choose: it writes garbage
+HARMFUL = {"off": ("vertex_coord",), "3ds": ("wedge_texcoord",)}  # MeshLab writes garbage for these
+ONE_OF = {"off": (COLOURS, NORMALS)}  # MeshLab mixes these up when a file has both
 FACES_ONLY = ("stl", "3ds", "dxf", "wrl")  # points outside faces are lost in these
 POINTS_ONLY = ("xyz", "e57")
 TEXTURED = ("ply", "obj", "dae", "x3d", "wrl")  # these name the images of textures
@@ -149,6 +150,8 @@ def _as_polygons(contents: Contents, extension: str) -> bool:
 def options_for(contents: Contents, extension: str) -> Mapping[str, bool]:
     """Return the options of ``save_current_mesh`` that keep all that the format holds."""
     options = {f"save_{OPTION[kind]}": kind in contents.held for kind in WRITABLE[extension]}
+    if contents.held.issuperset(both := ONE_OF.get(extension, (NORMALS, ""))):
+        options[f"save_{OPTION[both[1]]}"] = False
     options |= {f"save_{word}": False for word in HARMFUL.get(extension, ())}
     if extension in POLYGONAL:
         options["save_polygonal"] = _as_polygons(contents, extension)
@@ -160,16 +163,16 @@ def options_for(contents: Contents, extension: str) -> Mapping[str, bool]:
 def lost_in(contents: Contents, extension: str) -> list[str]:
     """Return what a layer has and the format cannot hold, in words."""
     kept = set(WRITABLE[extension])
+    if contents.held.issuperset(both := ONE_OF.get(extension, (NORMALS, ""))):
+        kept.remove(both[1])
     if contents.faces:
         kept.add(NORMALS)  # every reader computes them from the faces
     if extension in TEXTURED:
         kept.add(TEXTURES)
-    if extension in POINTS_ONLY:
-        kept |= {WEDGES, FACE_COLOURS, FACE_QUALITY, FACE_SELECTED}  # of faces that are lost
     lost = [kind for kind in (*OPTION, TEXTURES) if kind in contents.held - kept]
     if contents.edges and extension not in WITH_EDGES:
         lost.append(f"{contents.edges} {EDGES}")
-    polygons = contents.polygons is not Polygons.NONE and extension not in (*POINTS_ONLY, "ply")
+    polygons = contents.polygons is not Polygons.NONE and extension != "ply"
     if polygons and not _as_polygons(contents, extension):
         lost.append(POLYGONS)
     names = [

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.host.formats import COLOURS, QUALITY
+from meshlab_symrecon.host.image_names import IMAGES
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.ply_header import read_header
 from meshlab_symrecon.host.ply_properties import add_unread_properties
@@ -16,6 +17,7 @@ from meshlab_symrecon.host.sources import Source, remember
 __all__ = ["after_loading"]
 
 STAND_IN = "dummy.png"  # MeshLab's name for the image that it takes for one it cannot find
+UNREAD = (".x3d", ".wrl")  # formats of whose textures MeshLab reads the coordinates only
 LIBRARY = re.compile(rb"(?m)^[ \t]*mtllib[ \t]+(.+?)[ \t\r]*$")
 MAP = re.compile(rb"(?mi)^[ \t]*map_Kd[ \t]+(.+?)[ \t\r]*$")
 OTHER_MAPS = re.compile(rb"(?mi)^[ \t]*(?:map_\w+|bump|disp|norm|refl)[ \t]+(.+?)[ \t\r]*$")
@@ -68,6 +70,12 @@ def _named_images(path: Path, extension: str, libraries: tuple[Path, ...]) -> di
         with path.open("rb") as file:
             header = file.read(read_header(path).start)
         return dict.fromkeys(_names(IN_PLY, header), True)
+    if extension in IMAGES:
+        content = path.read_bytes()
+        return {
+            match[2].decode("utf-8", "replace"): True
+            for match in IMAGES[extension].finditer(content)
+        }
     named: dict[str, bool] = {}
     for library in libraries:
         content = library.read_bytes()
@@ -95,6 +103,8 @@ def _found(
         file = by_name.get(name) or by_end.get(Path(name).name) or path.parent / name
         if file.is_file():
             textures[name] = file
+    if named and not in_mesh and path.suffix.lower() in UNREAD:
+        warn_user(f"{path}: MeshLab does not read textures ({', '.join(named)}) of such files")
     if STAND_IN not in in_mesh or STAND_IN in textures:
         return textures, {}
     ends = {Path(name).name for name in textures}

@@ -1,0 +1,295 @@
+"""What becomes of an attribute on its way from a file to a file: observed, in one word."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pymeshlab
+from survival_inputs import PLY_INPUTS, write_input, write_obj
+
+from meshlab_symrecon.errors import FileError
+from meshlab_symrecon.host.files import load, new_document, save_current
+from meshlab_symrecon.host.native_filters import apply_native
+from meshlab_symrecon.host.projects import save_project
+
+ROWS = tuple(PLY_INPUTS)
+MATRIX = np.array([[0.0, -2, 0, 1], [2, 0, 0, 3], [0, 0, 2, -1], [0, 0, 0, 1]])
+WORDS = {
+    "vertex normals of a cloud": "vertex normals",
+    "white vertex colours": "vertex colours",
+    "quality called confidence": "vertex quality",
+    "images of textures": "textures",
+    "names of missing images": "textures",
+    "vertex selection": "the vertex selection",
+    "face selection": "the face selection",
+    "custom numbers of vertices": "custom attributes",
+    "custom points of vertices": "custom attributes",
+    "custom numbers of faces": "custom attributes",
+    "custom points of faces": "custom attributes",
+    "faces": "faces were left out",
+}  # how warnings call a row
+CLOUDS = ("vertex normals of a cloud", "edges")  # rows without faces
+OF_FACES = ("wedge texture coordinates", "face colours", "face quality", "polygons")
+WRITTEN = {
+    "vertex normals of a cloud": (b"vn 0.0", b"vn 1.0"),
+    "images of textures": (b"paint/stone.png",),
+}  # what shows that the file holds it, where MeshLab does not read it back
+
+
+@dataclass(frozen=True)
+class Way:
+    """From a file through a step to a file; by_place: vertices are known by where they are."""
+
+    source: str
+    target: str
+    step: Callable[[pymeshlab.MeshSet], None] | None = None
+    by_place: bool = True
+
+
+def translate(mesh_set):
+    apply_native(
+        mesh_set,
+        "compute_matrix_from_translation",
+        {"traslmethod": 0, "axisx": 8.0, "freeze": True},
+    )
+
+
+def smooth(mesh_set):
+    apply_native(mesh_set, "apply_coord_taubin_smoothing", {})
+
+
+def remove_duplicates(mesh_set):
+    apply_native(mesh_set, "meshing_remove_duplicate_vertices", {})
+
+
+WAYS = {
+    **{f"ply → {target}": Way("ply", target) for target in (
+        "ply", "obj", "off", "stl", "xyz", "3ds", "3mf", "dae", "e57", "wrl", "x3d", "dxf")},
+    "obj → obj": Way("obj", "obj"),
+    **{f"{source} → ply": Way(source, "ply") for source in (
+        "obj", "off", "stl", "xyz", "3ds", "3mf", "dae", "e57", "wrl", "x3d")},
+    "ply → translate → ply": Way("ply", "ply", translate, by_place=False),
+    "ply → smooth → ply": Way("ply", "ply", smooth, by_place=False),
+    "ply → remove duplicates → ply": Way("ply", "ply", remove_duplicates),
+    "ply → mlp": Way("ply", "mlp"),
+}  # fmt: skip
+
+
+def observe(folder: Path, row: str, way: Way) -> str:
+    """Return kept, baked, warned, refused, lost or – for a format that cannot bring it in."""
+    source = source_file(folder / "in", row, way.source)
+    if source is None:
+        return "–"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        mesh_set = load(source)
+    if row == "transform matrix":
+        mesh_set.set_matrix(transformmatrix=MATRIX, freeze=False)
+    before = value_of(mesh_set, row, way.by_place, source.parent)
+    if before is None:
+        return "–"
+    inputs = {file: file.read_bytes() for file in source.parent.rglob("*") if file.is_file()}
+    if way.step is not None:
+        if row in ("transform matrix", *CLOUDS) and not way.by_place:
+            return "–"
+        way.step(mesh_set)
+    word = saved(mesh_set, folder, row, way, before)
+    assert {file: file.read_bytes() for file in inputs} == inputs
+    return word
+
+
+def source_file(folder: Path, row: str, extension: str) -> Path | None:
+    if extension == "obj":
+        return write_obj(folder, row)
+    path = write_input(folder, row)
+    if extension == "ply":
+        return path
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            save_current(load(path), path.with_suffix(f".{extension}"))
+    except FileError:
+        return None
+    path.unlink()
+    return path.with_suffix(f".{extension}")
+
+
+def saved(mesh_set, folder: Path, row: str, way: Way, before: object) -> str:
+    out = folder / "out" / f"out.{way.target}"
+    out.parent.mkdir()
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            save_project(mesh_set, out) if way.target == "mlp" else save_current(mesh_set, out)
+        except FileError:
+            return "refused"
+        said = [str(warning.message) for warning in caught]
+    told = any(WORDS.get(row, row) in sentence for sentence in said)
+    told |= row in OF_FACES and any("faces were left out" in sentence for sentence in said)
+    if way.target == "dxf":  # which MeshLab does not read
+        return "warned" if told else "written"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        back = reloaded(out)
+    after = value_of(back, row, way.by_place, out.parent)
+    if after == before:
+        return "kept"
+    for step, word in ((1 / 255, "to 1/255"), (1 / 31, "to 1/31")):
+        if "colours" in row and isinstance(after, dict) and near(before, after, step):
+            return word
+    if row in WRITTEN and all(word in out.read_bytes() for word in WRITTEN[row]):
+        return "written"
+    if row == "transform matrix" and world(back) == places(before[0], before[1]):
+        return "baked"
+    if row == "vertex texture coordinates" and back.current_mesh().has_wedge_tex_coord():
+        return "as wedges" if wedges_of(back) == corners_of(before, back) else "lost"
+    return "warned" if told else "lost"
+
+
+def near(before: dict, after: dict, step: float) -> bool:
+    if before.keys() != after.keys():
+        return False
+    return all(np.abs(np.subtract(before[key], after[key])).max() < step + 1e-4 for key in before)
+
+
+def reloaded(out: Path):
+    if out.suffix != ".mlp":
+        return load(out)
+    mesh_set = new_document()
+    mesh_set.load_project(str(out))
+    load_again = mesh_set.current_mesh().transform_matrix()
+    layer = load(next(out.parent.glob("*.ply")))
+    layer.set_matrix(transformmatrix=load_again, freeze=False)
+    return layer
+
+
+def places(points: object, matrix: object) -> list:
+    rows = np.array(points) @ np.array(matrix)[:3, :3].T + np.array(matrix)[:3, 3]
+    return sorted(map(tuple, np.round(rows, 4).tolist()))
+
+
+def world(mesh_set) -> list:
+    mesh = mesh_set.current_mesh()
+    assert np.array_equal(mesh.transform_matrix(), np.eye(4))
+    return sorted(map(tuple, np.round(mesh.vertex_matrix(), 4).tolist()))
+
+
+def names_of_vertices(mesh, by_place: bool) -> list:
+    if not by_place:
+        return list(range(mesh.vertex_number()))
+    return list(map(tuple, np.round(mesh.vertex_matrix(), 4).tolist()))
+
+
+def turned(corners: list) -> tuple:
+    """Return a cycle from its least corner on; what is turned over stays different."""
+    first = corners.index(min(corners))
+    return tuple(corners[first:] + corners[:first])
+
+
+def wedges_of(mesh_set) -> dict:
+    mesh = mesh_set.current_mesh()
+    names = names_of_vertices(mesh, True)
+    faces = [turned([names[c] for c in face]) for face in mesh.face_matrix().tolist()]
+    return wedges_by_name(faces, mesh, names)
+
+
+def corners_of(by_vertex: dict, mesh_set) -> dict:
+    return {corner: by_vertex[corner[1]] for corner in wedges_of(mesh_set)}
+
+
+def value_of(mesh_set, row: str, by_place: bool, folder: Path) -> object:
+    """Return what a layer has of a row, in a form that can be compared; None for nothing."""
+    mesh = mesh_set.current_mesh()
+    names = names_of_vertices(mesh, by_place)
+    faces = [turned([names[c] for c in face]) for face in mesh.face_matrix().tolist()]
+
+    def vertices(values) -> dict:
+        return dict(
+            zip(names, np.round(np.asarray(values, dtype=np.float64), 5).tolist(), strict=True)
+        )
+
+    def triangles(values) -> dict:
+        return dict(
+            zip(faces, np.round(np.asarray(values, dtype=np.float64), 5).tolist(), strict=True)
+        )
+
+    def custom(kind: str, form: str, *attributes: str) -> object:
+        try:
+            return [
+                (vertices if kind == "vertex" else triangles)(
+                    getattr(mesh, f"{kind}_custom_{form}")(name)
+                )
+                for name in attributes
+            ]
+        except pymeshlab.PyMeshLabException:
+            return None
+
+    if row == "faces":
+        return sorted(faces) or None
+    if row == "vertex normals of a cloud":
+        normals = mesh.vertex_normal_matrix()
+        return vertices(normals) if normals.any() and not faces else None
+    if row in ("vertex colours", "white vertex colours"):
+        return vertices(mesh.vertex_color_matrix()) if mesh.has_vertex_color() else None
+    if row in ("vertex quality", "quality called confidence"):
+        return vertices(mesh.vertex_scalar_array()) if mesh.has_vertex_scalar() else None
+    if row == "vertex texture coordinates":
+        if not mesh.has_vertex_tex_coord():
+            return None
+        return {name: tuple(uv) for name, uv in vertices(mesh.vertex_tex_coord_matrix()).items()}
+    if row == "wedge texture coordinates":
+        if not mesh.has_wedge_tex_coord():
+            return None
+        return wedges_by_name(faces, mesh, names)
+    if row == "images of textures":
+        images = [folder / name for name in mesh.textures() if (folder / name).is_file()]
+        return [image.read_bytes() for image in images] or None
+    if row == "names of missing images":
+        named = b"gone.png" in b"".join(
+            file.read_bytes()
+            for file in folder.rglob("*")
+            if file.suffix != ".png" and file.is_file()
+        )
+        return named or None
+    if row == "face colours":
+        return triangles(mesh.face_color_matrix()) if mesh.has_face_color() and faces else None
+    if row == "face quality":
+        return triangles(mesh.face_scalar_array()) if mesh.has_face_scalar() and faces else None
+    if row == "vertex selection":
+        return vertices(mesh.vertex_selection_array()) if mesh.selected_vertex_number() else None
+    if row == "face selection":
+        return triangles(mesh.face_selection_array()) if mesh.selected_face_number() else None
+    if row == "polygons":
+        rings = [turned([names[c] for c in ring]) for ring in mesh.polygonal_face_list()]
+        return sorted(rings) if len(rings) < len(faces) else None
+    if row == "edges":
+        ends = [tuple(sorted(names[c] for c in edge)) for edge in mesh.edge_matrix().tolist()]
+        return sorted(ends) or None
+    if row == "custom numbers of vertices":
+        return custom("vertex", "scalar_attribute_array", "Class", "intensity")
+    if row == "custom points of vertices":
+        return custom("vertex", "point_attribute_matrix", "flow")
+    if row == "custom numbers of faces":
+        return custom("face", "scalar_attribute_array", "part")
+    if row == "custom points of faces":
+        return custom("face", "point_attribute_matrix", "axis")
+    assert row == "transform matrix"
+    matrix = mesh.transform_matrix()
+    return (
+        None
+        if np.array_equal(matrix, np.eye(4))
+        else (mesh.vertex_matrix().tolist(), matrix.tolist())
+    )
+
+
+def wedges_by_name(faces: list, mesh, names: list) -> dict:
+    rows = np.round(mesh.wedge_tex_coord_matrix(), 5).reshape(-1, 3, 2).tolist()
+    return {
+        (face, names[c]): tuple(uv)
+        for face, corners, row in zip(faces, mesh.face_matrix().tolist(), rows, strict=True)
+        for c, uv in zip(corners, row, strict=True)
+    }
