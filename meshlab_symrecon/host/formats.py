@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from meshlab_symrecon.arrays import Floats
 from meshlab_symrecon.host.attributes import Attribute, attributes_of
 from meshlab_symrecon.host.polygons import Polygons, polygons_of
 from meshlab_symrecon.host.sources import source_of
@@ -62,8 +63,11 @@ WRITABLE: dict[str, tuple[str, ...]] = {
     "wrl": (COLOURS, WEDGES),
     "x3d": (COLOURS, FACE_COLOURS, WEDGES),
 }  # extension: what the format can hold beside points and faces, and what MeshLab may leave out
-HARMFUL = {"off": ("vertex_coord",), "3ds": ("wedge_texcoord",)}  # MeshLab writes garbage for these
-ONE_OF = {"off": (COLOURS, NORMALS)}  # MeshLab mixes these up when a file has both
+HARMFUL = {
+    "off": ("vertex_coord",),
+    "3ds": ("wedge_texcoord",),
+    "x3d": ("vertex_coord",),
+}  # options that MeshLab must not choose itself: it writes garbage, or fails on both coordinates
 FACES_ONLY = ("stl", "3ds", "dxf", "wrl")  # points outside faces are lost in these
 POINTS_ONLY = ("xyz", "e57")
 TEXTURED = ("ply", "obj", "dae", "x3d", "wrl")  # these name the images of textures
@@ -88,6 +92,8 @@ class Contents:
     polygons : Polygons
     fine : bool
         Whether seven decimals are too few for its coordinates.
+    around_zero : bool
+        Whether zero is within the range of its quality.
     """
 
     points: int
@@ -97,6 +103,7 @@ class Contents:
     attributes: tuple[Attribute, ...]
     polygons: Polygons
     fine: bool
+    around_zero: bool
 
 
 def contents_of(mesh_set: Any, identifier: int) -> Contents:
@@ -131,8 +138,13 @@ def contents_of(mesh_set: Any, identifier: int) -> Contents:
         held=frozenset(kind for kind, held in found.items() if held),
         attributes=attributes_of(mesh_set, identifier),
         polygons=polygons,
+        around_zero=found[QUALITY] and _around_zero(mesh.vertex_scalar_array()),
         fine=bool(mesh.bounding_box().diagonal() * FINE_ENOUGH < DECIMALS),
     )
+
+
+def _around_zero(values: Floats) -> bool:
+    return bool(values.min() <= 0.0 <= values.max())
 
 
 def _as_polygons(contents: Contents, extension: str) -> bool:
@@ -147,11 +159,19 @@ def _as_polygons(contents: Contents, extension: str) -> bool:
     return extension != "obj" or not (textured or contents.fine)
 
 
+def _mishandled(contents: Contents, extension: str) -> frozenset[str]:
+    """Return what the format could hold, and MeshLab's exporter does not write well."""
+    if extension == "off" and contents.held.issuperset({COLOURS, NORMALS}):
+        return frozenset({NORMALS})  # the reader takes colours for normals
+    if extension == "e57" and not contents.around_zero:
+        return frozenset({QUALITY})  # the exporter fails
+    return frozenset()
+
+
 def options_for(contents: Contents, extension: str) -> Mapping[str, bool]:
     """Return the options of ``save_current_mesh`` that keep all that the format holds."""
-    options = {f"save_{OPTION[kind]}": kind in contents.held for kind in WRITABLE[extension]}
-    if contents.held.issuperset(both := ONE_OF.get(extension, (NORMALS, ""))):
-        options[f"save_{OPTION[both[1]]}"] = False
+    written = contents.held - _mishandled(contents, extension)
+    options = {f"save_{OPTION[kind]}": kind in written for kind in WRITABLE[extension]}
     options |= {f"save_{word}": False for word in HARMFUL.get(extension, ())}
     if extension in POLYGONAL:
         options["save_polygonal"] = _as_polygons(contents, extension)
@@ -162,9 +182,7 @@ def options_for(contents: Contents, extension: str) -> Mapping[str, bool]:
 
 def lost_in(contents: Contents, extension: str) -> list[str]:
     """Return what a layer has and the format cannot hold, in words."""
-    kept = set(WRITABLE[extension])
-    if contents.held.issuperset(both := ONE_OF.get(extension, (NORMALS, ""))):
-        kept.remove(both[1])
+    kept = set(WRITABLE[extension]) - _mishandled(contents, extension)
     if contents.faces:
         kept.add(NORMALS)  # every reader computes them from the faces
     if extension in TEXTURED:

@@ -47,6 +47,8 @@ def after_loading(mesh_set: Any, identifier: int, path: Path) -> None:
     libraries = _libraries(path) if extension == "obj" else ()
     named = _named_images(path, extension, libraries)
     textures, missing = _found(path, mesh_set.mesh(identifier).textures(), named)
+    if extension == "obj" and mesh.face_number() == 0 and _names_normals(path):
+        warn_user(f"{path}: MeshLab does not read normals of points without faces; write .ply")
     files = (path, *libraries, *(path.parent / name for name in named), *textures.values())
     source = Source(files, textures, missing, frozenset(held), attributes)
     remember(mesh_set, identifier, source)
@@ -62,6 +64,11 @@ def _libraries(path: Path) -> tuple[Path, ...]:
                 name = match[1].decode("utf-8", "replace").replace("\\", "/")
                 found.append(path.parent / name)
     return tuple(file for file in found if file.is_file())
+
+
+def _names_normals(path: Path) -> bool:
+    with path.open("rb") as file:
+        return any(line.startswith(b"vn ") for line in file)
 
 
 def _named_images(path: Path, extension: str, libraries: tuple[Path, ...]) -> dict[str, bool]:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from meshlab_symrecon.arrays import Faces, Floats, Indices, Points
+from meshlab_symrecon.host.meshset import SCALAR_PREFIX
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.ply_header import Element, Header, Property, read_header
 from meshlab_symrecon.host.ply_table import Column, read_columns
@@ -183,7 +184,7 @@ def _add(
     scalars = {}
     lost = []
     for name, column in columns.items():
-        plain = script_name_in_python(name)
+        plain = script_name_in_python(SCALAR_PREFIX + name).removeprefix(SCALAR_PREFIX)
         width = column.values.shape[1] if column.even else 0
         if width not in (1, 3) or plain in taken or kept is None:
             lost.append(name)

@@ -9,12 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pymeshlab
-from survival_inputs import PLY_INPUTS, write_input, write_obj
+from survival_inputs import PLY_INPUTS, WRITERS, write_input
 
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.files import load, new_document, save_current
 from meshlab_symrecon.host.native_filters import apply_native
 from meshlab_symrecon.host.projects import save_project
+from meshlab_symrecon.host.registration import apply_filter
 
 ROWS = tuple(PLY_INPUTS)
 MATRIX = np.array([[0.0, -2, 0, 1], [2, 0, 0, 3], [0, 0, 2, -1], [0, 0, 0, 1]])
@@ -66,12 +67,18 @@ def remove_duplicates(mesh_set):
     apply_native(mesh_set, "meshing_remove_duplicate_vertices", {})
 
 
+def find_planes(mesh_set):
+    apply_filter(mesh_set, "generate_reflection_planes")
+    mesh_set.set_current_mesh(0)
+
+
 WAYS = {
     **{f"ply → {target}": Way("ply", target) for target in (
         "ply", "obj", "off", "stl", "xyz", "3ds", "3mf", "dae", "e57", "wrl", "x3d", "dxf")},
     "obj → obj": Way("obj", "obj"),
     **{f"{source} → ply": Way(source, "ply") for source in (
-        "obj", "off", "stl", "xyz", "3ds", "3mf", "dae", "e57", "wrl", "x3d")},
+        "obj", "off", "stl", "xyz", "3mf", "dae", "e57", "wrl", "x3d", "gltf", "ptx")},
+    "ply → reflection planes → ply": Way("ply", "ply", find_planes),
     "ply → translate → ply": Way("ply", "ply", translate, by_place=False),
     "ply → smooth → ply": Way("ply", "ply", smooth, by_place=False),
     "ply → remove duplicates → ply": Way("ply", "ply", remove_duplicates),
@@ -84,8 +91,8 @@ def observe(folder: Path, row: str, way: Way) -> str:
     source = source_file(folder / "in", row, way.source)
     if source is None:
         return "–"
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
         mesh_set = load(source)
     if row == "transform matrix":
         mesh_set.set_matrix(transformmatrix=MATRIX, freeze=False)
@@ -97,14 +104,18 @@ def observe(folder: Path, row: str, way: Way) -> str:
         if row in ("transform matrix", *CLOUDS) and not way.by_place:
             return "–"
         way.step(mesh_set)
+        if value_of(mesh_set, row, way.by_place, source.parent) != before:
+            return "by the step"
     word = saved(mesh_set, folder, row, way, before)
+    if word == "lost" and any(WORDS.get(row, row) in str(one.message) for one in caught):
+        word = "warned"
     assert {file: file.read_bytes() for file in inputs} == inputs
     return word
 
 
 def source_file(folder: Path, row: str, extension: str) -> Path | None:
-    if extension == "obj":
-        return write_obj(folder, row)
+    if extension in WRITERS:
+        return WRITERS[extension](folder, row)
     path = write_input(folder, row)
     if extension == "ply":
         return path
@@ -146,7 +157,8 @@ def saved(mesh_set, folder: Path, row: str, way: Way, before: object) -> str:
     if row == "transform matrix" and world(back) == places(before[0], before[1]):
         return "baked"
     if row == "vertex texture coordinates" and back.current_mesh().has_wedge_tex_coord():
-        return "as wedges" if wedges_of(back) == corners_of(before, back) else "lost"
+        if wedges_of(back) == corners_of(before, back):
+            return "as wedges"
     return "warned" if told else "lost"
 
 
@@ -232,7 +244,7 @@ def value_of(mesh_set, row: str, by_place: bool, folder: Path) -> object:
         return sorted(faces) or None
     if row == "vertex normals of a cloud":
         normals = mesh.vertex_normal_matrix()
-        return vertices(normals) if normals.any() and not faces else None
+        return vertices(normals) if np.abs(normals).max() > 0.5 and not faces else None
     if row in ("vertex colours", "white vertex colours"):
         return vertices(mesh.vertex_color_matrix()) if mesh.has_vertex_color() else None
     if row in ("vertex quality", "quality called confidence"):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import struct
 import zlib
 from collections.abc import Mapping, Sequence
@@ -70,7 +72,7 @@ def wedge_texts(count: int) -> list[str]:
 
 def texts(count: int, pattern: str) -> list[str]:
     """Return a text for each of many items; ``{i}`` is its number."""
-    return [pattern.format(i=i, f=i / 8 + 0.125, b=20 * i % 256) for i in range(count)]
+    return [pattern.format(i=i, f=i / 8 + 0.125, q=i / 8, b=20 * i % 256) for i in range(count)]
 
 
 V, F = range(COUNT), range(FACES)
@@ -85,7 +87,7 @@ PLY_INPUTS: dict[str, dict[str, object]] = {
         "faces": TRIANGLES,
         "vertex": {COLOURED: texts(COUNT, "255 255 255 255")},
     },
-    "vertex quality": {"faces": TRIANGLES, "vertex": {"double quality": texts(COUNT, "{f}")}},
+    "vertex quality": {"faces": TRIANGLES, "vertex": {"double quality": texts(COUNT, "{q}")}},
     "quality called confidence": {
         "faces": TRIANGLES,
         "vertex": {"float confidence": texts(COUNT, "{f}")},
@@ -148,9 +150,6 @@ def write_input(folder: Path, row: str) -> Path:
     return folder / "in.ply"
 
 
-OBJ_CORNERS = " ".join("{0}/{0}".format(i) for i in range(1, 4))
-
-
 def write_obj(folder: Path, row: str) -> Path | None:
     """Write the OBJ file that has one attribute; None when OBJ has no place for it."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -183,3 +182,82 @@ def write_obj(folder: Path, row: str) -> Path | None:
         return None
     path.write_text("\n".join(lines) + "\n")
     return path
+
+
+def write_gltf(folder: Path, row: str) -> Path | None:
+    """Write the glTF file that has one attribute; None when glTF has no place for it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    png(folder / IMAGE)
+    places = BENT[TRIANGLES].reshape(-1, 3).astype("<f4")  # a vertex a corner, as glTF has it
+    count = len(places)
+    arrays = {"POSITION": ("VEC3", places)}
+    if row == "vertex colours":
+        colours = np.repeat(np.arange(count) % 8 / 8, 3).reshape(-1, 3)
+        arrays["COLOR_0"] = ("VEC3", colours.astype("<f4"))
+    elif row in ("wedge texture coordinates", "images of textures"):
+        arrays["TEXCOORD_0"] = ("VEC2", (np.arange(2 * count) / 128).reshape(-1, 2).astype("<f4"))
+    elif row != "faces":
+        return None
+    data, views, accessors = b"", [], []
+    for kind, values in arrays.values():
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": values.nbytes})
+        data += values.tobytes()
+        accessor = {"bufferView": len(accessors), "componentType": 5126, "count": count}
+        low_high = {"min": values.min(0).tolist(), "max": values.max(0).tolist()}
+        accessors.append({**accessor, "type": kind, **low_high})
+    corners = np.arange(count, dtype="<u2")
+    views.append({"buffer": 0, "byteOffset": len(data), "byteLength": corners.nbytes})
+    data += corners.tobytes()
+    indices = {"bufferView": len(accessors), "componentType": 5123, "count": count}
+    accessors.append({**indices, "type": "SCALAR"})
+    primitive = {
+        "attributes": {name: number for number, name in enumerate(arrays)},
+        "indices": len(arrays),
+    }
+    content = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "buffers": [
+            {
+                "byteLength": len(data),
+                "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
+            }
+        ],
+        "bufferViews": views,
+        "accessors": accessors,
+        "meshes": [{"primitives": [primitive]}],
+    }
+    if "TEXCOORD_0" in arrays:
+        primitive["material"] = 0
+        content |= {
+            "images": [{"uri": IMAGE}],
+            "textures": [{"source": 0}],
+            "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+        }
+    (folder / "in.gltf").write_text(json.dumps(content))
+    return folder / "in.gltf"
+
+
+def write_ptx(folder: Path, row: str) -> Path | None:
+    """Write the PTX file that has one attribute; None when PTX has no place for it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    frame = ["0 0 0", "1 0 0", "0 1 0", "0 0 1", "1 0 0 0", "0 1 0 0", "0 0 1 0", "0 0 0 1"]
+    patterns = {"vertex colours": "0.5 {b} 7 9", "vertex quality": "{q}", "transform matrix": "0.5"}
+    if row not in patterns:
+        return None
+    lines = [
+        f"{x + 1!r} {y!r} {z!r} {text}"
+        for (x, y, z), text in zip(BENT.tolist(), texts(COUNT, patterns[row]), strict=True)
+    ]
+    path = folder / "in.ptx"
+    path.write_text("\n".join(["4", "2", *frame, *lines]) + "\n")
+    return path
+
+
+WRITERS = {
+    "obj": write_obj,
+    "gltf": write_gltf,
+    "ptx": write_ptx,
+}
