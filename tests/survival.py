@@ -68,7 +68,9 @@ def remove_duplicates(mesh_set):
 
 
 def find_planes(mesh_set):
-    apply_filter(mesh_set, "generate_reflection_planes")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # none are in this box
+        apply_filter(mesh_set, "generate_reflection_planes")
     mesh_set.set_current_mesh(0)
 
 
@@ -87,10 +89,10 @@ WAYS = {
 
 
 def observe(folder: Path, row: str, way: Way) -> str:
-    """Return kept, baked, warned, refused, lost or – for a format that cannot bring it in."""
+    """Return kept, baked, warned, refused, lost, or n/a where a format cannot bring it in."""
     source = source_file(folder / "in", row, way.source)
     if source is None:
-        return "–"
+        return "n/a"
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         mesh_set = load(source)
@@ -98,11 +100,11 @@ def observe(folder: Path, row: str, way: Way) -> str:
         mesh_set.set_matrix(transformmatrix=MATRIX, freeze=False)
     before = value_of(mesh_set, row, way.by_place, source.parent)
     if before is None:
-        return "–"
+        return "n/a"
     inputs = {file: file.read_bytes() for file in source.parent.rglob("*") if file.is_file()}
+    if not way.by_place and row in ("transform matrix", *CLOUDS):
+        return "n/a"
     if way.step is not None:
-        if row in ("transform matrix", *CLOUDS) and not way.by_place:
-            return "–"
         way.step(mesh_set)
         if value_of(mesh_set, row, way.by_place, source.parent) != before:
             return "by the step"
@@ -143,27 +145,35 @@ def saved(mesh_set, folder: Path, row: str, way: Way, before: object) -> str:
     told |= row in OF_FACES and any("faces were left out" in sentence for sentence in said)
     if way.target == "dxf":  # which MeshLab does not read
         return "warned" if told else "written"
+    word = compared(out, row, way, before)
+    return "warned" if word == "lost" and told else word
+
+
+def compared(out: Path, row: str, way: Way, before: object) -> str:
+    """Return what became of a value in the file that was written."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         back = reloaded(out)
     after = value_of(back, row, way.by_place, out.parent)
-    if after == before:
-        return "kept"
-    for step, word in ((1 / 255, "to 1/255"), (1 / 31, "to 1/31")):
-        if "colours" in row and isinstance(after, dict) and near(before, after, step):
-            return word
-    if row in WRITTEN and all(word in out.read_bytes() for word in WRITTEN[row]):
-        return "written"
-    if row == "transform matrix" and world(back) == places(before[0], before[1]):
-        return "baked"
-    if row == "vertex texture coordinates" and back.current_mesh().has_wedge_tex_coord():
-        if wedges_of(back) == corners_of(before, back):
-            return "as wedges"
-    return "warned" if told else "lost"
+    ways = {
+        "kept": lambda: after == before,
+        "to 1/255": lambda: "colours" in row and near(before, after, 1 / 255),
+        "to 1/31": lambda: "colours" in row and near(before, after, 1 / 31),
+        "written": lambda: (
+            row in WRITTEN and all(word in out.read_bytes() for word in WRITTEN[row])
+        ),
+        "baked": lambda: row == "transform matrix" and world(back) == places(*before),
+        "as wedges": lambda: (
+            row == "vertex texture coordinates"
+            and back.current_mesh().has_wedge_tex_coord()
+            and wedges_of(back) == corners_of(before, back)
+        ),
+    }
+    return next((word for word, is_so in ways.items() if is_so()), "lost")
 
 
-def near(before: dict, after: dict, step: float) -> bool:
-    if before.keys() != after.keys():
+def near(before: dict, after: object, step: float) -> bool:
+    if not isinstance(after, dict) or before.keys() != after.keys():
         return False
     return all(np.abs(np.subtract(before[key], after[key])).max() < step + 1e-4 for key in before)
 
@@ -213,89 +223,123 @@ def corners_of(by_vertex: dict, mesh_set) -> dict:
     return {corner: by_vertex[corner[1]] for corner in wedges_of(mesh_set)}
 
 
-def value_of(mesh_set, row: str, by_place: bool, folder: Path) -> object:
-    """Return what a layer has of a row, in a form that can be compared; None for nothing."""
-    mesh = mesh_set.current_mesh()
-    names = names_of_vertices(mesh, by_place)
-    faces = [turned([names[c] for c in face]) for face in mesh.face_matrix().tolist()]
+class Seen:
+    """One layer, seen through the names of its vertices and faces; a method a row."""
 
-    def vertices(values) -> dict:
-        return dict(
-            zip(names, np.round(np.asarray(values, dtype=np.float64), 5).tolist(), strict=True)
-        )
+    def __init__(self, mesh, by_place: bool, folder: Path) -> None:
+        self.mesh, self.folder = mesh, folder
+        self.names = names_of_vertices(mesh, by_place)
+        self.faces = [turned([self.names[c] for c in face]) for face in mesh.face_matrix().tolist()]
 
-    def triangles(values) -> dict:
-        return dict(
-            zip(faces, np.round(np.asarray(values, dtype=np.float64), 5).tolist(), strict=True)
-        )
+    def of_vertices(self, there: bool, read: str):
+        if not there:
+            return None
+        values = np.asarray(getattr(self.mesh, read)(), dtype=np.float64)
+        return dict(zip(self.names, np.round(values, 5).tolist(), strict=True))
 
-    def custom(kind: str, form: str, *attributes: str) -> object:
+    def of_faces(self, there: bool, read: str):
+        if not there or not self.faces:
+            return None
+        values = np.asarray(getattr(self.mesh, read)(), dtype=np.float64)
+        return dict(zip(self.faces, np.round(values, 5).tolist(), strict=True))
+
+    def custom(self, kind: str, form: str, *attributes: str):
+        names = self.names if kind == "vertex" else self.faces
         try:
-            return [
-                (vertices if kind == "vertex" else triangles)(
-                    getattr(mesh, f"{kind}_custom_{form}")(name)
-                )
-                for name in attributes
-            ]
+            read = [getattr(self.mesh, f"{kind}_custom_{form}")(name) for name in attributes]
         except pymeshlab.PyMeshLabException:
             return None
+        return [dict(zip(names, values.tolist(), strict=True)) for values in read]
 
-    if row == "faces":
-        return sorted(faces) or None
-    if row == "vertex normals of a cloud":
-        normals = mesh.vertex_normal_matrix()
-        return vertices(normals) if np.abs(normals).max() > 0.5 and not faces else None
-    if row in ("vertex colours", "white vertex colours"):
-        return vertices(mesh.vertex_color_matrix()) if mesh.has_vertex_color() else None
-    if row in ("vertex quality", "quality called confidence"):
-        return vertices(mesh.vertex_scalar_array()) if mesh.has_vertex_scalar() else None
-    if row == "vertex texture coordinates":
-        if not mesh.has_vertex_tex_coord():
+    def normals(self):
+        normals = self.mesh.vertex_normal_matrix()
+        there = np.abs(normals).max() > 0.5 and not self.faces
+        return self.of_vertices(there, "vertex_normal_matrix")
+
+    def colours(self):
+        return self.of_vertices(self.mesh.has_vertex_color(), "vertex_color_matrix")
+
+    def quality(self):
+        return self.of_vertices(self.mesh.has_vertex_scalar(), "vertex_scalar_array")
+
+    def vertex_texture(self):
+        read = self.of_vertices(self.mesh.has_vertex_tex_coord(), "vertex_tex_coord_matrix")
+        return read and {name: tuple(pair) for name, pair in read.items()}
+
+    def wedges(self):
+        if not self.mesh.has_wedge_tex_coord():
             return None
-        return {name: tuple(uv) for name, uv in vertices(mesh.vertex_tex_coord_matrix()).items()}
-    if row == "wedge texture coordinates":
-        if not mesh.has_wedge_tex_coord():
+        return wedges_by_name(self.faces, self.mesh, self.names)
+
+    def images(self):
+        files = [self.folder / name for name in self.mesh.textures()]
+        return [file.read_bytes() for file in files if file.is_file()] or None
+
+    def missing(self):
+        files = [
+            file for file in self.folder.rglob("*") if file.is_file() and file.suffix != ".png"
+        ]
+        return any(b"gone.png" in file.read_bytes() for file in files) or None
+
+    def face_colours(self):
+        return self.of_faces(self.mesh.has_face_color(), "face_color_matrix")
+
+    def face_quality(self):
+        return self.of_faces(self.mesh.has_face_scalar(), "face_scalar_array")
+
+    def selected(self):
+        return self.of_vertices(self.mesh.selected_vertex_number() > 0, "vertex_selection_array")
+
+    def faces_selected(self):
+        return self.of_faces(self.mesh.selected_face_number() > 0, "face_selection_array")
+
+    def polygons(self):
+        rings = [turned([self.names[c] for c in ring]) for ring in self.mesh.polygonal_face_list()]
+        return sorted(rings) if len(rings) < len(self.faces) else None
+
+    def edges(self):
+        ends = self.mesh.edge_matrix().tolist()
+        return sorted(tuple(sorted(self.names[c] for c in edge)) for edge in ends) or None
+
+    def matrix(self):
+        matrix = self.mesh.transform_matrix()
+        if np.array_equal(matrix, np.eye(4)):
             return None
-        return wedges_by_name(faces, mesh, names)
-    if row == "images of textures":
-        images = [folder / name for name in mesh.textures() if (folder / name).is_file()]
-        return [image.read_bytes() for image in images] or None
-    if row == "names of missing images":
-        named = b"gone.png" in b"".join(
-            file.read_bytes()
-            for file in folder.rglob("*")
-            if file.suffix != ".png" and file.is_file()
-        )
-        return named or None
-    if row == "face colours":
-        return triangles(mesh.face_color_matrix()) if mesh.has_face_color() and faces else None
-    if row == "face quality":
-        return triangles(mesh.face_scalar_array()) if mesh.has_face_scalar() and faces else None
-    if row == "vertex selection":
-        return vertices(mesh.vertex_selection_array()) if mesh.selected_vertex_number() else None
-    if row == "face selection":
-        return triangles(mesh.face_selection_array()) if mesh.selected_face_number() else None
-    if row == "polygons":
-        rings = [turned([names[c] for c in ring]) for ring in mesh.polygonal_face_list()]
-        return sorted(rings) if len(rings) < len(faces) else None
-    if row == "edges":
-        ends = [tuple(sorted(names[c] for c in edge)) for edge in mesh.edge_matrix().tolist()]
-        return sorted(ends) or None
-    if row == "custom numbers of vertices":
-        return custom("vertex", "scalar_attribute_array", "Class", "intensity")
-    if row == "custom points of vertices":
-        return custom("vertex", "point_attribute_matrix", "flow")
-    if row == "custom numbers of faces":
-        return custom("face", "scalar_attribute_array", "part")
-    if row == "custom points of faces":
-        return custom("face", "point_attribute_matrix", "axis")
-    assert row == "transform matrix"
-    matrix = mesh.transform_matrix()
-    return (
-        None
-        if np.array_equal(matrix, np.eye(4))
-        else (mesh.vertex_matrix().tolist(), matrix.tolist())
-    )
+        return self.mesh.vertex_matrix().tolist(), matrix.tolist()
+
+
+READERS = {
+    "faces": lambda seen: sorted(seen.faces) or None,
+    "vertex normals of a cloud": Seen.normals,
+    "vertex colours": Seen.colours,
+    "white vertex colours": Seen.colours,
+    "vertex quality": Seen.quality,
+    "quality called confidence": Seen.quality,
+    "vertex texture coordinates": Seen.vertex_texture,
+    "wedge texture coordinates": Seen.wedges,
+    "images of textures": Seen.images,
+    "names of missing images": Seen.missing,
+    "face colours": Seen.face_colours,
+    "face quality": Seen.face_quality,
+    "vertex selection": Seen.selected,
+    "face selection": Seen.faces_selected,
+    "polygons": Seen.polygons,
+    "edges": Seen.edges,
+    "custom numbers of vertices": lambda seen: seen.custom(
+        "vertex", "scalar_attribute_array", "Class", "intensity"
+    ),
+    "custom points of vertices": lambda seen: seen.custom(
+        "vertex", "point_attribute_matrix", "flow"
+    ),
+    "custom numbers of faces": lambda seen: seen.custom("face", "scalar_attribute_array", "part"),
+    "custom points of faces": lambda seen: seen.custom("face", "point_attribute_matrix", "axis"),
+    "transform matrix": Seen.matrix,
+}
+
+
+def value_of(mesh_set, row: str, by_place: bool, folder: Path) -> object:
+    """Return what a layer has of a row, in a form that can be compared; None for nothing."""
+    return READERS[row](Seen(mesh_set.current_mesh(), by_place, folder))
 
 
 def wedges_by_name(faces: list, mesh, names: list) -> dict:

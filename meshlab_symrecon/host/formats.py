@@ -125,7 +125,9 @@ def contents_of(mesh_set: Any, identifier: int) -> Contents:
         VERTEX_TEXTURE: mesh.has_vertex_tex_coord(),
         WEDGES: faces > 0 and mesh.has_wedge_tex_coord(),
         TEXTURES: mesh.texture_number() > 0,
-        FACE_COLOURS: faces > 0 and mesh.has_face_color(),
+        FACE_COLOURS: faces > 0
+        and mesh.has_face_color()
+        and (FACE_COLOURS in in_file or not (mesh.face_color_matrix() == 1.0).all()),
         FACE_QUALITY: faces > 0 and mesh.has_face_scalar(),
         SELECTED: mesh.selected_vertex_number() > 0,
         FACE_SELECTED: mesh.selected_face_number() > 0,
@@ -187,6 +189,8 @@ def lost_in(contents: Contents, extension: str) -> list[str]:
         kept.add(NORMALS)  # every reader computes them from the faces
     if extension in TEXTURED:
         kept.add(TEXTURES)
+    if WEDGES in contents.held & kept:
+        kept.add(VERTEX_TEXTURE)  # MeshLab's OBJ reader makes these of the wedges'
     lost = [kind for kind in (*OPTION, TEXTURES) if kind in contents.held - kept]
     if contents.edges and extension not in WITH_EDGES:
         lost.append(f"{contents.edges} {EDGES}")

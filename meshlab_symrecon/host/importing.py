@@ -7,12 +7,13 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from meshlab_symrecon.host.formats import COLOURS, QUALITY
+from meshlab_symrecon.host.formats import COLOURS, FACE_COLOURS, QUALITY
 from meshlab_symrecon.host.image_names import IMAGES
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.ply_header import read_header
 from meshlab_symrecon.host.ply_properties import add_unread_properties
 from meshlab_symrecon.host.sources import Source, remember
+from meshlab_symrecon.host.translation import translated
 
 __all__ = ["after_loading"]
 
@@ -38,12 +39,16 @@ def after_loading(mesh_set: Any, identifier: int, path: Path) -> None:
     held = {QUALITY} if mesh.has_vertex_scalar() else set()
     if mesh.has_vertex_color():
         held.add(COLOURS)
+    if mesh.has_face_color() and extension != "obj":  # where each material has a colour, white
+        held.add(FACE_COLOURS)
     attributes: Mapping[str, str] = {}
     if extension == "ply":
         vertex = read_header(path).element("vertex")
         if vertex is not None and not {"red", "diffuse_red"} & vertex.names:
             held.discard(COLOURS)  # MeshLab makes white ones for an intensity
         attributes = add_unread_properties(mesh_set, identifier, path)
+    if extension == "dae" and mesh.face_number() == 0:
+        _clear_normals(mesh_set, identifier)
     libraries = _libraries(path) if extension == "obj" else ()
     named = _named_images(path, extension, libraries)
     textures, missing = _found(path, mesh_set.mesh(identifier).textures(), named)
@@ -52,6 +57,13 @@ def after_loading(mesh_set: Any, identifier: int, path: Path) -> None:
     files = (path, *libraries, *(path.parent / name for name in named), *textures.values())
     source = Source(files, textures, missing, frozenset(held), attributes)
     remember(mesh_set, identifier, source)
+
+
+def _clear_normals(mesh_set: Any, identifier: int) -> None:
+    """Set normals to zero: MeshLab's reader leaves chance numbers in those of points."""
+    with translated("clearing normals"):
+        mesh_set.set_current_mesh(identifier)
+        mesh_set.compute_normal_by_function_per_vertex(x="0", y="0", z="0")
 
 
 def _libraries(path: Path) -> tuple[Path, ...]:

@@ -27,7 +27,7 @@ def plain_texture_name(name: str) -> str:
     parts = PurePosixPath(name.replace("\\", "/")).parts
     inside = [part for part in parts if part != "."]
     if not inside or ".." in inside or PurePosixPath(*inside).is_absolute() or ":" in inside[0]:
-        inside = inside[-1:] or ["texture"]
+        inside = [part for part in inside if part not in ("..", "/")][-1:] or ["texture"]
     return "/".join(re.sub(r"[\s\"'*?<>|]+", "_", part) for part in inside)
 
 
