@@ -74,7 +74,7 @@ def _words(path: Path, header: Header) -> Any:
         file.seek(header.start)
         try:
             return np.fromfile(file, dtype=np.float64, sep=" ")
-        except DeprecationWarning as error:
+        except (DeprecationWarning, ValueError) as error:  # by the version of numpy
             raise ValueError("there is a word among its numbers") from error
 
 
@@ -118,7 +118,7 @@ def _width(words: Any, kind: np.dtype[Any]) -> int:
 def _number(words: Any, position: int, kind: np.dtype[Any]) -> float:
     held = words[position : position + _width(words, kind)]
     if len(held) < _width(words, kind):
-        raise ValueError("the file ends too early")
+        raise ValueError("it ends too early")
     return float(np.frombuffer(held.tobytes(), kind)[0])
 
 
@@ -179,13 +179,13 @@ def _walk(
         for number, (kind, counter, is_list) in enumerate(kinds):
             length = 1
             if is_list:
-                length = int(np.frombuffer(data, counter, 1, at)[0])
+                length = int(_number(data, at, counter))
                 at += counter.itemsize
             places[number].append(at)
             lengths[number].append(length)
             at += length * kind.itemsize
     if at > len(data):
-        raise ValueError("the file ends too early")
+        raise ValueError("it ends too early")
     columns = [
         _gathered(data, kinds[number][0], np.array(places[number]), np.array(lengths[number]))
         for number in chosen
