@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.host.expressions import modern_expression
 from meshlab_symrecon.host.findings import Findings
-from meshlab_symrecon.host.mlx import Param
+from meshlab_symrecon.host.mlx import Param, Step
 from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.native_values import NativeParameter, parse_native
 from meshlab_symrecon.host.old_names import Change, change_of_parameter
@@ -18,7 +20,7 @@ __all__ = ["values_of"]
 CAMERA = "RichShotf"
 
 
-def values_of(item: NativeFilter, written: Param, findings: Findings) -> dict[str, Any]:
+def values_of(item: NativeFilter, step: Step, written: Param, findings: Findings) -> dict[str, Any]:
     """Return what a written parameter is today: no value, one, or several, by Python names.
 
     What was mapped or ignored is noted in ``findings``.
@@ -35,11 +37,28 @@ def values_of(item: NativeFilter, written: Param, findings: Findings) -> dict[st
         change = change_of_parameter(item.python_name, name)
         if change is None:
             raise
-        return _changed(item, written, change, findings)
-    return _read(parameter, written, findings)
+        implied = _implied(item, step, written, change, findings)
+        return implied | _changed(item, written, change, findings)
+    return _read(item, parameter, written, findings)
 
 
-def _read(parameter: NativeParameter, written: Param, findings: Findings) -> dict[str, Any]:
+def _implied(
+    item: NativeFilter, step: Step, written: Param, change: Change, findings: Findings
+) -> dict[str, Any]:
+    named = (known.text or "" for known in step.parameters
+             if script_name_in_python(known.name.strip()) == change.unless_file)  # fmt: skip
+    if Path(next(named, "")).is_file():
+        return {}
+    values = {name: parse_native(item.find(name), text) for name, text in change.also.items()}
+    for name, value in values.items():
+        meaning = f"'{name}' set to {value!r}, which parameter '{written.name}' stood for"
+        findings.note(written.line, meaning)
+    return values
+
+
+def _read(
+    item: NativeFilter, parameter: NativeParameter, written: Param, findings: Findings
+) -> dict[str, Any]:
     if parameter.rich_type == CAMERA:
         camera = f"parameter '{written.name}' ignored: pymeshlab takes no camera from outside"
         findings.note(written.line, camera)
@@ -47,7 +66,21 @@ def _read(parameter: NativeParameter, written: Param, findings: Findings) -> dic
     value, note = value_of(parameter, written)
     if note:
         findings.note(written.line, note)
+    if _is_expression(item, parameter):
+        value = _of_today(written, value, findings)
     return {parameter.name: value}
+
+
+def _is_expression(item: NativeFilter, parameter: NativeParameter) -> bool:
+    evaluates = any(words in item.python_name for words in ("_by_function", "_by_condition"))
+    return parameter.rich_type == "RichString" and (evaluates or parameter.name.endswith("expr"))
+
+
+def _of_today(written: Param, expression: str, findings: Findings) -> str:
+    today = modern_expression(expression)
+    if today != expression:
+        findings.note(written.line, f"'{expression}' of '{written.name}' is '{today}' today")
+    return today
 
 
 def _changed(
@@ -63,7 +96,7 @@ def _changed(
     parameter = item.find(change.to)
     if not change.values:
         findings.note(written.line, f"parameter '{written.name}' is '{parameter.name}' today")
-        return _read(parameter, written, findings)
+        return _read(item, parameter, written, findings)
     old = NativeParameter(written.name, written.name, "RichBool")
     word = str(value_of(old, written)[0]).lower()
     text = change.values[word]
