@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -23,8 +23,6 @@ from meshlab_symrecon.errors import FileError, SymReconError
 __all__ = ["main", "serve"]
 
 LOUD = "default.debug=true"  # for Qt, whose messages carry the log of the filters
-# One of these is in the Python name of every filter that may change a texture.
-OF_TEXTURES = ("texture", "texmap", "texcoord")
 
 
 def main(words: Sequence[str] | None = None) -> NoReturn:
@@ -175,10 +173,9 @@ class _Run:
         middle = "" if wanted.overwrite else "_out" + (str(number) if number else "")
         labels = {int(mesh.id()): mesh.label() for mesh in self.mesh_set}
         files = copied_files(wanted.path, labels, self.origins, middle)
-        textures = {identifier: self.textures_of(identifier) for identifier in files}
         record = {"path": str(wanted.path), "layers": [str(file) for file in files.values()]}
         try:
-            save_project_copy(self.mesh_set, wanted.path, files, textures)
+            save_project_copy(self.mesh_set, wanted.path, files)
         except SymReconError as error:
             return self.failed(record, error)
         for file in files.values():
@@ -217,8 +214,7 @@ class _Run:
         options = save_options(extension, flags)
         if self.job.keep_all:
             options |= attribute_options(self.mesh_set, identifier, extension)
-        textures = self.textures_of(identifier)
-        export_layer(self.mesh_set, identifier, output.path, options, textures)
+        export_layer(self.mesh_set, identifier, output.path, options)
 
     def failed(self, record: dict[str, Any], error: SymReconError) -> bool:
         self.journal.complain(str(error))
@@ -243,15 +239,6 @@ class _Run:
             )
             raise FileError(message)
         return identifiers[position]
-
-    def textures_of(self, identifier: int) -> Mapping[str, Path]:
-        """Return the files of a layer's textures, if no step can have changed them."""
-        origin = self.origins.get(identifier)
-        names = [step.filter for report in self.reports for step in report.steps]
-        if origin is None or any(word in name for name in names for word in OF_TEXTURES):
-            return {}
-        textures = self.mesh_set.mesh(identifier).textures()
-        return {name: origin.parent / name for name in textures}
 
     def report(self, code: int) -> None:
         if self.job.report is None:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import locale
-import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +10,13 @@ import numpy as np
 
 from meshlab_symrecon.errors import FileError, HostError
 from meshlab_symrecon.host.atomic import replacing
-from meshlab_symrecon.host.exported_textures import write_textures
-from meshlab_symrecon.host.files import FACES_ONLY, POINTS_ONLY, READABLE, new_document
+from meshlab_symrecon.host.files import READABLE, new_document
+from meshlab_symrecon.host.formats import FACES_ONLY, POINTS_ONLY
+from meshlab_symrecon.host.image_names import rename_images
 from meshlab_symrecon.host.meshset import attribute_names, current_identifier
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.process_state import process_kept
+from meshlab_symrecon.host.textures import place_textures
 from meshlab_symrecon.host.translation import translated
 
 __all__ = ["attribute_options", "export_layer", "write_staged"]
@@ -33,7 +33,6 @@ def export_layer(
     identifier: int,
     path: str | Path,
     options: Mapping[str, bool],
-    textures: Mapping[str, Path] | None = None,
 ) -> None:
     """Write one layer as it is, its matrix left out; a file at ``path`` is replaced by a whole one.
 
@@ -45,8 +44,6 @@ def export_layer(
         Its extension is a key of ``mask.SAVED``.
     options : mapping of str to bool
         pymeshlab's save options, from ``mask.save_options``.
-    textures : mapping of str to Path, optional
-        Files to copy instead of writing the texture of that name anew.
 
     Raises
     ------
@@ -60,7 +57,7 @@ def export_layer(
     """
     path = Path(path)
     with replacing(path) as staged:
-        write_staged(mesh_set, identifier, path, staged, options, textures)
+        write_staged(mesh_set, identifier, path, staged, options)
 
 
 def write_staged(
@@ -69,7 +66,6 @@ def write_staged(
     path: Path,
     staged: Path,
     options: Mapping[str, bool],
-    textures: Mapping[str, Path] | None = None,
 ) -> None:
     """Write one layer, and its textures, to ``staged``; messages call it ``path``.
 
@@ -83,15 +79,17 @@ def write_staged(
     _check_losses(mesh, path, extension)
     before = current_identifier(mesh_set)
     try:
-        with translated(f"{path} cannot be written"), _process_kept():
+        with translated(f"{path} cannot be written"), process_kept():
             mesh_set.set_current_mesh(identifier)
             mesh_set.save_current_mesh(str(staged.resolve()), save_textures=False, **options)
-            if any(options.get(name) for name in TEXTURED):
-                write_textures(mesh_set.mesh(identifier), path, staged.parent, textures or {})
     except HostError as error:
         raise FileError(f"{error}; check free space and the format") from error
     finally:
         mesh_set.set_current_mesh(before)
+    if any(options.get(name) for name in TEXTURED):
+        names = place_textures(mesh_set, identifier, path, staged)
+        for file in (staged, staged.with_name(f"{staged.name}.mtl")):
+            rename_images(file, names)
     _check_whole(mesh_set.mesh(identifier), path, extension, staged)
 
 
@@ -120,21 +118,6 @@ def _check_losses(mesh: Any, path: Path, extension: str) -> None:
         warn_user(f"{words}, so they were left out; write .ply to keep them")
 
 
-@contextmanager
-def _process_kept() -> Iterator[None]:
-    """Undo what readers and writers leave changed in the whole process.
-
-    The 3MF writer sets the locale to ``C``; one that fails stays in the directory of the file.
-    """
-    directory = Path.cwd()
-    before = locale.setlocale(locale.LC_ALL)
-    try:
-        yield
-    finally:
-        os.chdir(directory)
-        locale.setlocale(locale.LC_ALL, before)
-
-
 def _check_whole(mesh: Any, path: Path, extension: str, staged: Path) -> None:
     """Read back what a writer wrote that does not tell when the disk was full."""
     if not staged.is_file() or staged.stat().st_size == 0:
@@ -143,7 +126,7 @@ def _check_whole(mesh: Any, path: Path, extension: str, staged: Path) -> None:
         return
     written = new_document()
     try:
-        with translated(f"{path} cannot be written"), _process_kept():
+        with translated(f"{path} cannot be written"), process_kept():
             written.load_new_mesh(str(staged))
         faces = sum(layer.face_number() for layer in written)
     except HostError:

@@ -60,7 +60,6 @@ def save_project_copy(
     mesh_set: Any,
     path: Path,
     files: Mapping[int, Path],
-    textures: Mapping[int, Mapping[str, Path]],
 ) -> None:
     """Save every layer with all that its format holds, and a project with the layers' matrices.
 
@@ -71,8 +70,6 @@ def save_project_copy(
         The project.
     files : mapping of int to Path
         From ``copied_files``.
-    textures : mapping of int to mapping
-        For each layer, files to copy instead of writing the texture of that name anew.
 
     Raises
     ------
@@ -88,7 +85,7 @@ def save_project_copy(
             extension = file.suffix.removeprefix(".").lower()
             options = save_options(extension, held_flags(extension, mesh))
             options |= attribute_options(mesh_set, identifier, extension)
-            write_staged(mesh_set, identifier, file, staged, options, textures.get(identifier))
+            write_staged(mesh_set, identifier, file, staged, options)
             name = Path(os.path.relpath(file, path.parent)).as_posix()
             entries.append((mesh.label(), name, mesh.transform_matrix()))
         staged_project.write_bytes(_project_text(entries, _rasters(mesh_set, path)))

@@ -125,9 +125,10 @@ def save_project(
     inputs: Iterable[str | Path] = (),
     labels: Mapping[int, str] | None = None,
 ) -> None:
-    """Save every layer beside a MeshLab project that lists them, in world coordinates.
+    """Save every layer beside a MeshLab project that lists them.
 
-    The layers' files are named after the project and the layers: ``name-label.ply``.
+    The layers' files are named after the project and the layers: ``name-label.ply``. Coordinates
+    stay as they are, and the project keeps each layer's transform matrix and whether it is shown.
 
     Parameters
     ----------
@@ -143,6 +144,11 @@ def save_project(
     FileError
         The path does not end in ``.mlp``, a file would take the place of one of ``inputs``, no
         such directory, or the system refused.
+
+    Warns
+    -----
+    SymReconWarning
+        The document has pictures, which pymeshlab does not tell about.
     """
     path = Path(path)
     inputs = tuple(inputs)
@@ -153,8 +159,12 @@ def save_project(
         check_output(path.parent / name, inputs)
     with replacing(path) as staged:
         for identifier, name in names.items():
-            write_layer(mesh_set, identifier, path.parent / name, staged.parent / name)
-        staged.write_bytes(_project_text(shown, names).encode("utf-8"))
+            place = staged.parent / name
+            write_layer(mesh_set, identifier, path.parent / name, place, world=False)
+        staged.write_bytes(_project_text(mesh_set, shown, names).encode("utf-8"))
+    pictures = mesh_set.raster_number()
+    if pictures:
+        warn_user(f"{path}: {pictures} raster layers were left out; keep the project they are in")
 
 
 def layer_files(project: Path, labels: Mapping[int, str]) -> dict[int, str]:
@@ -169,7 +179,7 @@ def layer_files(project: Path, labels: Mapping[int, str]) -> dict[int, str]:
     return names
 
 
-def _project_text(labels: Mapping[int, str], names: Mapping[int, str]) -> str:
+def _project_text(mesh_set: Any, labels: Mapping[int, str], names: Mapping[int, str]) -> str:
     root = ElementTree.Element("MeshLabProject")
     group = ElementTree.SubElement(root, "MeshGroup")
     for identifier, name in names.items():
@@ -177,12 +187,18 @@ def _project_text(labels: Mapping[int, str], names: Mapping[int, str]) -> str:
             "label": labels[identifier],
             "idInFile": "-1",
             "filename": name,
-            "visible": "1",
+            "visible": str(int(mesh_set.mesh(identifier).is_visible())),
         }
         matrix = ElementTree.SubElement(
             ElementTree.SubElement(group, "MLMesh", attributes), "MLMatrix44"
         )
-        matrix.text = "\n1 0 0 0 \n0 1 0 0 \n0 0 1 0 \n0 0 0 1 \n"
+        rows = np.asarray(mesh_set.mesh(identifier).transform_matrix()).tolist()
+        matrix.text = "\n" + "".join(" ".join(map(_number, row)) + " \n" for row in rows)
     ElementTree.SubElement(root, "RasterGroup")
     ElementTree.indent(root, " ")
     return f"<!DOCTYPE MeshLabDocument>\n{ElementTree.tostring(root, encoding='unicode')}\n"
+
+
+def _number(value: float) -> str:
+    """Return a number in full, a whole one without a fraction."""
+    return str(int(value)) if value.is_integer() else repr(value)

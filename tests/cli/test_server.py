@@ -168,15 +168,8 @@ def test_the_log_may_be_a_device(serve, place):
     assert serve("-l", "/dev/null", "-i", "cube.ply", "-o", "a.ply")[0] == 0
 
 
-@pytest.mark.parametrize(
-    ("step", "copied"),
-    [
-        ("Normalize Vertex Normals", True),  # nothing of textures
-        ("Select All", True),
-        ("Convert PerWedge UV into PerVertex UV", False),
-    ],
-)
-def test_textures_that_no_step_can_have_changed_are_copied(serve, place, step, copied):
+@pytest.mark.parametrize("step", ["Select All", "Normalize Vertex Normals"])
+def test_textures_are_copied(serve, place, step):
     mesh_set = load("ball 1.PLY")
     mesh_set.compute_texcoord_parametrization_triangle_trivial_per_wedge(textdim=128)
     mesh_set.compute_texmap_from_color(textname="a.png", textw=128, texth=128)
@@ -187,7 +180,7 @@ def test_textures_that_no_step_can_have_changed_are_copied(serve, place, step, c
     (place / "out").mkdir()
     code, _, err = serve("-i", "t.obj", "-s", "s.mlx", "-o", "out/t.obj", "-m", "wt")
     assert code == 0, err
-    assert ((place / "out" / "a.png").read_bytes() == marked) == copied
+    assert (place / "out" / "a.png").read_bytes() == marked
     assert names(place / "out") == ["a.png", "t.obj", "t.obj.mtl"]
 
 

@@ -199,8 +199,7 @@ def test_textures_go_along_byte_for_byte(textured, tmp_path, name, extension):
     out = tmp_path / "out"
     out.mkdir()
     target = out / f"b.{extension}"
-    sources = {name: path.parent / name}
-    export_layer(mesh_set, 0, target, save_options(extension, {"wt"}), sources)
+    export_layer(mesh_set, 0, target, save_options(extension, {"wt"}))
     assert (out / name).read_bytes() == (path.parent / name).read_bytes()
     again = load(target)
     assert list(again.mesh(0).textures()) == [name]
@@ -223,21 +222,34 @@ def test_in_place_the_texture_is_not_touched(textured):
     path = textured("a.png")
     before = (path.parent / "a.png").read_bytes()
     mesh_set = load(path)
-    sources = {"a.png": path.parent / "a.png"}
-    export_layer(mesh_set, 0, path, save_options("obj", {"wt"}), sources)
+    export_layer(mesh_set, 0, path, save_options("obj", {"wt"}))
     assert (path.parent / "a.png").read_bytes() == before
     again = load(path)
     assert list(again.mesh(0).textures()) == ["a.png"]
 
 
-def test_textures_elsewhere_are_left_there(textured, tmp_path):
+def test_textures_elsewhere_are_copied_beside_the_file(textured, tmp_path):
     path = textured("../maps/a.png")
     mesh_set = load(path)
     assert list(mesh_set.mesh(0).textures()) == ["../maps/a.png"]
     out = tmp_path / "deep" / "out"
     out.mkdir(parents=True)
-    with pytest.warns(SymReconWarning, match=r"texture '\.\./maps/a\.png' lies elsewhere"):
-        export_layer(mesh_set, 0, out / "b.obj", save_options("obj", {"wt"}))
-    assert sorted(file.name for file in tmp_path.rglob("*.png")) == ["a.png"]
-    assert sorted(file.name for file in out.iterdir()) == ["b.obj", "b.obj.mtl"]
+    export_layer(mesh_set, 0, out / "b.obj", save_options("obj", {"wt"}))
+    assert sorted(file.name for file in out.iterdir()) == ["a.png", "b.obj", "b.obj.mtl"]
+    assert (out / "a.png").read_bytes() == (tmp_path / "maps" / "a.png").read_bytes()
+    assert "map_Kd a.png" in (out / "b.obj.mtl").read_text()
     assert [file.name for file in out.parent.iterdir()] == ["out"]
+
+
+@pytest.mark.filterwarnings("ignore::meshlab_symrecon.errors.SymReconWarning")
+def test_an_image_that_meshlab_cannot_read_goes_along(textured, tmp_path):
+    path = textured("a.png")
+    (path.parent / "a.png").unlink()
+    (path.parent / "a.jpg").write_bytes(b"\xff\xd8\xff\xe0 no reader looks inside")
+    material = path.with_name("ball.obj.mtl")
+    material.write_text(material.read_text().replace("a.png", "a.jpg"))
+    (tmp_path / "out").mkdir()
+    export_layer(load(path), 0, tmp_path / "out" / "b.obj", save_options("obj", {"wt"}))
+    copied = tmp_path / "out" / "a.jpg"
+    assert copied.read_bytes() == (path.parent / "a.jpg").read_bytes()
+    assert "map_Kd a.jpg" in (tmp_path / "out" / "b.obj.mtl").read_text()

@@ -161,6 +161,7 @@ HAS = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:.* MeshLab does not read textures")
 @pytest.mark.parametrize(("extension", "flag"), READ_BACK)
 def test_what_was_asked_for_comes_back_and_nothing_else(full, tmp_path, extension, flag):
     method = READ_BACK[extension, flag]

@@ -243,7 +243,7 @@ def test_rasters_come_with_their_cameras(write, folder):
     mesh_set = load_project(write(CUBE, rasters=RASTER.format(file="in here/photo.png")))
     assert mesh_set.raster_number() == 1
     assert shown(mesh_set) == [("the cube", 8)]
-    save_project_copy(mesh_set, folder / "b.mlp", {0: folder / "b.ply"}, {})
+    save_project_copy(mesh_set, folder / "b.mlp", {0: folder / "b.ply"})
     root = ElementTree.parse(folder / "b.mlp").getroot()
     assert [plane.get("fileName") for plane in root.iter("Plane")] == ["in here/photo.png"]
     camera = next(root.iter("VCGCamera"))
@@ -282,7 +282,7 @@ def test_copies_keep_matrices_attributes_and_labels(write, folder):
     mesh_set.compute_scalar_by_function_per_vertex(q="x")
     mesh_set.compute_new_custom_scalar_attribute_per_vertex(name="mine", expr="x")
     files = {0: folder / "c.ply", 1: folder / "in here" / "s.ply"}
-    save_project_copy(mesh_set, folder / "b.mlp", files, {})
+    save_project_copy(mesh_set, folder / "b.mlp", files)
     again = load_project(folder / "b.mlp")
     assert shown(again) == shown(mesh_set)
     for number in (0, 1):
@@ -306,6 +306,6 @@ def test_a_copy_that_fails_leaves_nothing(write, folder):
     before = sorted(folder.iterdir())
     files = {0: folder / "c.ply", 1: folder / "d.stl"}
     with pytest.raises(FileError, match="holds faces only"):
-        save_project_copy(mesh_set, folder / "b.mlp", files, {})
+        save_project_copy(mesh_set, folder / "b.mlp", files)
     assert sorted(folder.iterdir()) == before
     assert load(folder / "cube.ply").mesh_number() == 1
