@@ -200,21 +200,22 @@ class _Run:
         return True
 
     def export(self, identifier: int, output: Output) -> None:
-        from meshlab_symrecon.host.export import attribute_options, export_layer
-        from meshlab_symrecon.host.mask import held_flags, passed_over, save_options
+        from meshlab_symrecon.host.atomic import replacing
+        from meshlab_symrecon.host.export import export_layer, write_all
+        from meshlab_symrecon.host.mask import TEXT, passed_over, save_options
         from meshlab_symrecon.host.notices import warn_user
 
         extension = output.path.suffix.removeprefix(".").lower()
         lost = passed_over(extension, output.mask)
         if lost:
             warn_user(f"{output.path}: .{extension} holds no {', '.join(lost)}; they were left out")
-        flags = set(output.mask)
         if self.job.keep_all:
-            flags |= held_flags(extension, self.mesh_set.mesh(identifier))
-        options = save_options(extension, flags)
-        if self.job.keep_all:
-            options |= attribute_options(self.mesh_set, identifier, extension)
-        export_layer(self.mesh_set, identifier, output.path, options)
+            with replacing(output.path) as staged:
+                text = TEXT in output.mask
+                write_all(self.mesh_set, identifier, output.path, staged, text)
+        else:
+            options = save_options(extension, output.mask)
+            export_layer(self.mesh_set, identifier, output.path, options)
 
     def failed(self, record: dict[str, Any], error: SymReconError) -> bool:
         self.journal.complain(str(error))

@@ -10,22 +10,22 @@ import numpy as np
 
 from meshlab_symrecon.errors import FileError, HostError
 from meshlab_symrecon.host.atomic import replacing
-from meshlab_symrecon.host.files import READABLE, new_document
-from meshlab_symrecon.host.formats import FACES_ONLY, POINTS_ONLY
+from meshlab_symrecon.host.files import READABLE, new_document, write_layer
+from meshlab_symrecon.host.formats import FACES_ONLY, POINTS_ONLY, WRITABLE
 from meshlab_symrecon.host.image_names import rename_images
-from meshlab_symrecon.host.meshset import attribute_names, current_identifier
+from meshlab_symrecon.host.mask import TEXT, held_flags, save_options
+from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.textures import place_textures
 from meshlab_symrecon.host.translation import translated
 
-__all__ = ["attribute_options", "export_layer", "write_staged"]
+__all__ = ["export_layer", "write_all", "write_staged"]
 
 UNREPORTED = ("xyz", "3mf", "dae", "e57", "wrl", "x3d")  # writers that hide a full disk
 # Writers that refuse a layer without points, hide that they do, or end the process on it.
 NEEDS_POINTS = ("obj", "x3d", "3ds", "ctm", "xyz", "e57", "nxs", "nxz")
 TEXTURED = ("save_wedge_texcoord", "save_vertex_coord")
-ATTRIBUTE = "__ca_"  # how the options of a PLY file begin that stand for custom attributes
 
 
 def export_layer(
@@ -93,11 +93,32 @@ def write_staged(
     _check_whole(mesh_set.mesh(identifier), path, extension, staged)
 
 
-def attribute_options(mesh_set: Any, identifier: int, extension: str) -> dict[str, bool]:
-    """Return the options that save a layer's custom attributes; only PLY has them."""
-    if extension != "ply":
-        return {}
-    return {f"{ATTRIBUTE}{name}": True for name in attribute_names(mesh_set, identifier, ATTRIBUTE)}
+def write_all(mesh_set: Any, identifier: int, path: Path, staged: Path, text: bool = False) -> None:
+    """Write one layer, without its matrix, with everything that it has and its format can hold.
+
+    Parameters
+    ----------
+    mesh_set : pymeshlab.MeshSet
+    identifier : int
+    path : Path
+        Where the file will be; its extension is a key of ``mask.SAVED``.
+    staged : Path
+        Where it is written first.
+    text : bool
+        Write a PLY or STL file as text, without custom attributes.
+
+    Raises
+    ------
+    FileError
+        As ``export_layer``.
+    """
+    extension = path.suffix.removeprefix(".").lower()
+    if extension in WRITABLE and not text:
+        write_layer(mesh_set, identifier, path, staged, world=False)
+        return
+    held = held_flags(extension, mesh_set.mesh(identifier))
+    flags = held | {TEXT} if text else held
+    write_staged(mesh_set, identifier, path, staged, save_options(extension, flags))
 
 
 def _check_losses(mesh: Any, path: Path, extension: str) -> None:

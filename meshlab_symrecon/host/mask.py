@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["SAVED", "held_flags", "passed_over", "save_options"]
+__all__ = ["SAVED", "TEXT", "held_flags", "passed_over", "save_options"]
 
 # Flag: the option of pymeshlab. "coord" is its name for texture coordinates of vertices.
 OPTIONS = {

@@ -15,8 +15,8 @@ import numpy as np
 from defusedxml.ElementTree import parse
 
 from meshlab_symrecon.host.atomic import replacing
-from meshlab_symrecon.host.export import attribute_options, write_staged
-from meshlab_symrecon.host.mask import SAVED, held_flags, save_options
+from meshlab_symrecon.host.export import write_all
+from meshlab_symrecon.host.mask import SAVED
 from meshlab_symrecon.host.translation import translated
 
 __all__ = ["copied_files", "save_project_copy"]
@@ -81,11 +81,8 @@ def save_project_copy(
         staged_project = stack.enter_context(replacing(path))
         for identifier, file in files.items():
             staged = stack.enter_context(replacing(file))
+            write_all(mesh_set, identifier, file, staged)
             mesh = mesh_set.mesh(identifier)
-            extension = file.suffix.removeprefix(".").lower()
-            options = save_options(extension, held_flags(extension, mesh))
-            options |= attribute_options(mesh_set, identifier, extension)
-            write_staged(mesh_set, identifier, file, staged, options)
             name = Path(os.path.relpath(file, path.parent)).as_posix()
             entries.append((mesh.label(), name, mesh.transform_matrix()))
         staged_project.write_bytes(_project_text(entries, _rasters(mesh_set, path)))

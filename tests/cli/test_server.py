@@ -13,7 +13,6 @@ import pytest
 from meshlab_symrecon import __version__
 from meshlab_symrecon.cli.server import main
 from meshlab_symrecon.cli.server_job import FLAGS
-from meshlab_symrecon.host import export
 from meshlab_symrecon.host.files import READABLE, load, new_document
 from meshlab_symrecon.host.mask import SAVED
 from meshlab_symrecon.host.native_filters import native_filters
@@ -388,19 +387,19 @@ def test_x_overwrites_the_files_of_the_layers(serve, place):
     assert names(place) == ["ball 1.PLY", "copy.mlx", "cube.ply", "o.mlp", "s.mlx"]
 
 
-def test_a_project_that_fails_is_an_error_and_outputs_are_written(serve, place, monkeypatch):
-    monkeypatch.setattr(export, "NEEDS_POINTS", ("ply",))
+def test_a_project_that_fails_is_an_error_and_outputs_are_written(serve, place):
+    assert serve("-i", "cube.ply", "-o", "cube.stl")[0] == 0
     script(
         place / "s.mlx",
         SELECT_LAYER.format(layer=0),
-        '<filter name="Select All"/><filter name="Delete Selected Vertices"/>\n',
+        '<filter name="Select All"/><filter name="Delete Selected Faces"/>\n',
     )
-    words = ["-i", "cube.ply", "ball 1.PLY", "-s", "s.mlx", "-w", "o.mlp", "-o", "b.ply", "-l", "1"]
+    words = ["-i", "cube.stl", "ball 1.PLY", "-s", "s.mlx", "-w", "o.mlp", "-o", "b.ply", "-l", "1"]
     code, _, err = serve(*words)
     assert code == 1
-    assert "layer 'cube.ply' has no points" in err
-    assert not (place / "o.mlp").exists()
-    assert not (place / "cube_out.ply").exists()
+    assert "cube_out.stl: .stl holds faces only" in err
+    for name in ("o.mlp", "cube_out.stl", "ball 1_out.PLY"):
+        assert not (place / name).exists()
     assert (place / "b.ply").exists()
 
 

@@ -10,10 +10,11 @@ import pytest
 
 from meshlab_symrecon.errors import FileError, HostError, SymReconWarning
 from meshlab_symrecon.host import export
+from meshlab_symrecon.host.atomic import replacing
 from meshlab_symrecon.host.baking import bake_layer
-from meshlab_symrecon.host.export import attribute_options, export_layer
+from meshlab_symrecon.host.export import export_layer, write_all
 from meshlab_symrecon.host.files import load, new_document
-from meshlab_symrecon.host.mask import SAVED, held_flags, save_options
+from meshlab_symrecon.host.mask import SAVED, save_options
 from meshlab_symrecon.host.meshset import read_layer
 
 SHEARED = np.array([[2, 0.3, 0, 1], [0, 1, 0.1, -2], [0, 0, 0.5, 3e-7], [0, 0, 0, 1]])
@@ -150,22 +151,40 @@ def test_a_writer_that_does_not_finish_leaves_what_was_there(tmp_path, monkeypat
     assert Path.cwd() == before
 
 
-def test_custom_attributes_go_into_ply_alone(tmp_path):
-    mesh_set = ball()
+def everything(mesh_set, path, text=False):
+    with replacing(path) as staged:
+        write_all(mesh_set, 0, path, staged, text)
+    return path
+
+
+def test_everything_is_custom_attributes_too_and_no_matrix(tmp_path):
+    mesh_set = moved(ball(), SHEARED)
     mesh_set.compute_new_custom_scalar_attribute_per_vertex(name="height", expr="z")
-    mesh_set.compute_new_custom_scalar_attribute_per_face(name="part", expr="x0")
-    mesh_set.compute_new_custom_point_attribute_per_vertex(name="turn", x_expr="x")
-    assert attribute_options(mesh_set, 0, "obj") == {}
-    options = attribute_options(mesh_set, 0, "ply")
-    assert len(options) == 3
-    export_layer(mesh_set, 0, tmp_path / "a.ply", save_options("ply", ()) | options)
-    head = (tmp_path / "a.ply").read_bytes().partition(b"end_header")[0].decode()
-    assert "height" in head
-    assert "part" in head.partition("element face")[2]
-    assert "turn" in head
-    held = held_flags("ply", mesh_set.mesh(0))
-    export_layer(mesh_set, 0, tmp_path / "b.ply", save_options("ply", held))
+    mesh_set.compute_scalar_by_function_per_vertex(q="x")
+    path = everything(mesh_set, tmp_path / "a.ply")
+    assert b"property double height" in path.read_bytes()
+    again = load(path)
+    for method in ("vertex_matrix", "vertex_scalar_array", "face_matrix"):
+        old, new = (getattr(document.mesh(0), method)() for document in (mesh_set, again))
+        assert np.array_equal(old, new), method
+    export_layer(mesh_set, 0, tmp_path / "b.ply", save_options("ply", ()))
     assert b"height" not in (tmp_path / "b.ply").read_bytes()
+    text = everything(mesh_set, tmp_path / "c.ply", text=True).read_text()
+    assert "format ascii" in text
+    assert "quality" in text
+
+
+@pytest.mark.filterwarnings("ignore::meshlab_symrecon.errors.SymReconWarning")
+@pytest.mark.parametrize("extension", SAVED)
+def test_everything_is_written_in_every_format(tmp_path, extension):
+    mesh_set = ball()
+    mesh_set.compute_color_by_function_per_vertex(x="x*99+100", y="y*99+100", z="z*99+100")
+    path = everything(mesh_set, tmp_path / f"a.{extension}")
+    plain = tmp_path / f"b.{extension}"
+    export_layer(mesh_set, 0, plain, save_options(extension, ()))
+    larger = {"3mf", "dxf", "stl", "3ds", "nxs", "nxz", "e57"}  # hold no colours, or as many bytes
+    if extension not in larger:
+        assert path.stat().st_size > plain.stat().st_size
 
 
 @pytest.fixture
