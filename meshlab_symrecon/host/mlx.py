@@ -7,8 +7,8 @@ The grammar is that of MeshLab: ``<filter>`` with typed ``<Param>`` children, an
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -27,6 +27,7 @@ __all__ = [
     "Step",
     "choice_attributes",
     "read_script",
+    "script_text",
     "step_of",
     "write_script",
 ]
@@ -34,6 +35,7 @@ __all__ = [
 HEADER = "<!DOCTYPE FilterScript>\n"
 ROOT = "FilterScript"
 CHILDREN = {"filter": "param", "xmlfilter": "xmlparam"}  # tag of a step: tag of its parameters
+KEPT = ("current", "unchanged")  # attribute of a <filter>: its new layer does not become current
 NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
@@ -68,7 +70,8 @@ class Step:
     name: str
     line: int = field(compare=False)
     parameters: tuple[Param, ...] = ()
-    from_xml_plugin: bool = False  # an <xmlfilter> of 2014 to 2020
+    from_xml_plugin: bool = False  # an <xmlfilter> of 2014 to 2020, or what became of one
+    upgraded: bool = False  # that <xmlfilter>, written as <filter current="unchanged">
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +116,9 @@ class _Collector:
             raise self.problem(line, f"a step must be a <filter> or <xmlfilter>; got <{tag}>")
         if not attributes.get("name", "").strip():
             raise self.problem(line, f'this <{tag}> has no name; write name="..."')
-        self.steps.append(Step(attributes["name"], line, (), tag == "xmlfilter"))
+        upgraded = tag == "filter" and attributes.get(KEPT[0]) == KEPT[1]
+        from_xml_plugin = upgraded or tag == "xmlfilter"
+        self.steps.append(Step(attributes["name"], line, (), from_xml_plugin, upgraded))
 
     def start_parameter(self, line: int, attributes: dict[str, str]) -> None:
         rest = dict(attributes)
@@ -121,14 +126,12 @@ class _Collector:
         if not name.strip():
             raise self.problem(line, 'this parameter has no name; write name="..."')
         step = self.steps[-1]
-        if not (rich_type or step.from_xml_plugin):
+        if not (rich_type or (step.from_xml_plugin and not step.upgraded)):
             raise self.problem(line, f"parameter '{name}' has no type; write type=\"Rich...\"")
         if any(name.lower() == other.name.lower() for other in step.parameters):
             raise self.problem(line, f"parameter '{name}' is given twice; keep one")
         parameter = Param(name, line, rich_type, rest.pop("value", None), rest)
-        self.steps[-1] = Step(
-            step.name, step.line, (*step.parameters, parameter), step.from_xml_plugin
-        )
+        self.steps[-1] = replace(step, parameters=(*step.parameters, parameter))
 
     def problem(self, line: int, what: str) -> ScriptError:
         return ScriptError(f"{self.path}:{line}: {what}")
@@ -169,8 +172,17 @@ def read_script(path: str | Path) -> Script:
     return Script(path, steps)
 
 
-def write_script(steps: Iterable[Step], path: str | Path) -> None:
+def write_script(
+    steps: Iterable[Step], path: str | Path, comments: Mapping[int, Sequence[str]] | None = None
+) -> None:
     """Write a script that ``read_script`` reads back to equal steps; whole or not at all.
+
+    Parameters
+    ----------
+    steps : iterable of Step
+    path : str or Path
+    comments : mapping of int to texts, optional
+        What stands above the step at a position; after the last step at one more than its position.
 
     Raises
     ------
@@ -180,16 +192,40 @@ def write_script(steps: Iterable[Step], path: str | Path) -> None:
         The file cannot be written.
     """
     path = Path(path)
-    root = ElementTree.Element(ROOT)
-    for step in steps:
-        tag = "xmlfilter" if step.from_xml_plugin else "filter"
-        element = ElementTree.SubElement(root, tag, {"name": _checked(step.name, path)})
-        for parameter in step.parameters:
-            _append(element, parameter, "xmlparam" if step.from_xml_plugin else "Param", path)
-    ElementTree.indent(root, " ")
-    text = HEADER + ElementTree.tostring(root, encoding="unicode") + "\n"
+    text = script_text(steps, path, comments or {})
     with replacing(path) as staged:
         staged.write_bytes(text.encode("utf-8"))
+
+
+def script_text(steps: Iterable[Step], path: Path, comments: Mapping[int, Sequence[str]]) -> str:
+    """Return what ``write_script`` writes; ``path`` is what messages call it.
+
+    Raises
+    ------
+    ScriptError
+        A text has a character that XML cannot hold.
+    """
+    root = ElementTree.Element(ROOT)
+    count = 0
+    for step in steps:
+        _append_comments(root, comments.get(count, ()), path)
+        count += 1
+        from_xml_plugin = step.from_xml_plugin and not step.upgraded
+        tag = "xmlfilter" if from_xml_plugin else "filter"
+        element = ElementTree.SubElement(root, tag, {"name": _checked(step.name, path)})
+        if step.upgraded:
+            element.set(*KEPT)
+        for parameter in step.parameters:
+            _append(element, parameter, "xmlparam" if from_xml_plugin else "Param", path)
+    _append_comments(root, comments.get(count, ()), path)
+    ElementTree.indent(root, " ")
+    return HEADER + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _append_comments(root: ElementTree.Element, texts: Iterable[str], path: Path) -> None:
+    for text in texts:
+        safe = re.sub("-(?=-)|-$", "- ", text)  # XML allows neither "--" nor a "-" at the end
+        root.append(ElementTree.Comment(_checked(safe, path)))
 
 
 def _append(element: ElementTree.Element, parameter: Param, tag: str, path: Path) -> None:

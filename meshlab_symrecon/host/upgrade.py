@@ -1,0 +1,257 @@
+"""An old script in today's names: each step as MeshLab writes it now, below what changed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import pymeshlab
+
+from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.host.findings import ERROR, IGNORE, Finding, check_findings
+from meshlab_symrecon.host.mlx import Param, Script, Step
+from meshlab_symrecon.host.native_filters import NativeFilter
+from meshlab_symrecon.host.native_values import NativeParameter
+from meshlab_symrecon.host.old_names import (
+    CHANGE_LAYER,
+    NOTHING,
+    POISSON,
+    current_parameter,
+    find_old_name,
+)
+from meshlab_symrecon.host.resolution import Matching, ResolvedStep, matched
+from meshlab_symrecon.host.written_steps import written_step
+from meshlab_symrecon.plugin import Filter
+
+__all__ = [
+    "Upgrade",
+    "as_written",
+    "checked",
+    "comments_of",
+    "kept_current",
+    "upgraded",
+    "written_as",
+]
+
+RANGES = ("RichAbsPerc", "RichDynamicFloat")  # MeshLab drops these without "min" and "max"
+CHANGE_NAME = "Change the current layer"
+STAYS = (
+    'current="unchanged": for symrecon the cloud stays current, as it did then; MeshLab makes the '
+    "surface current today"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Upgrade:
+    """A script of today.
+
+    Attributes
+    ----------
+    steps : tuple of Step
+    comments : mapping of int to texts
+        What stands above the step at a position; after the last one at one more than its position.
+    unchanged : bool
+        The old script says the same already, word for word.
+    """
+
+    steps: tuple[Step, ...]
+    comments: Mapping[int, tuple[str, ...]]
+    unchanged: bool
+
+
+def upgraded(
+    script: Script, matching: Matching, comments: Mapping[int, Sequence[str]] | None = None
+) -> Upgrade:
+    """Write every step that can run under its name of today.
+
+    Run by ``run_script``, the new script does what the old one does. What cannot run, and what
+    MeshLab does by itself today, is left out; a comment says so.
+
+    Parameters
+    ----------
+    script : Script
+    matching : Matching
+        Of that script.
+    comments : mapping of int to texts, optional
+        The old script's own, which are kept above the steps they stand above.
+    """
+    before = comments or {}
+    steps: list[Step] = []
+    kept: dict[int, tuple[str, ...]] = {}
+    for number, (old, resolved) in enumerate(zip(script.steps, matching.steps, strict=True)):
+        own = tuple(before.get(number, ()))
+        new = None if resolved is None else _step_today(resolved)
+        said = _changes(old, resolved, new, comments_of(matching.findings, number))
+        fresh = tuple(f" {words} " for words in said if not _is_said(words, own))
+        if own or fresh:
+            kept[len(steps)] = (*kept.get(len(steps), ()), *own, *fresh)
+        if new is not None:
+            steps.append(new)
+    last = tuple(before.get(len(script.steps), ()))
+    if last:
+        kept[len(steps)] = (*kept.get(len(steps), ()), *last)
+    added = sum(map(len, kept.values())) > sum(map(len, before.values()))
+    return Upgrade(tuple(steps), kept, tuple(steps) == script.steps and not added)
+
+
+def checked(script: Script, *, lenient: bool = False) -> Matching:
+    """Match a script with what is there today, and refuse it for its mistakes.
+
+    Raises
+    ------
+    ScriptError
+        All mistakes, one a line; with ``lenient`` only those that nothing can be left out for.
+    """
+    matching = matched(script)
+    check_findings(matching.findings, lenient=lenient)
+    return matching
+
+
+def comments_of(findings: Sequence[Finding], number: int) -> tuple[tuple[int, str], ...]:
+    """Return line and words of what was found about one step, in one line each."""
+    return tuple(
+        (finding.line, _one_line(finding)) for finding in findings if finding.step == number
+    )
+
+
+def _one_line(finding: Finding) -> str:
+    words = " ".join(finding.message.split())
+    what = "" if finding.remedy == IGNORE else "this step was "
+    return f"{what}left out: {words}" if finding.severity == ERROR else words
+
+
+def kept_current(resolved: ResolvedStep) -> bool:
+    """Say whether the layer that was current before the step is current after it."""
+    return resolved.step.from_xml_plugin and resolved.python_name == POISSON
+
+
+def _is_said(words: str, comments: Sequence[str]) -> bool:
+    """Say whether a comment of an earlier upgrade has these words, whatever line it names."""
+    sentence = words.partition(": ")[2] if words.startswith("line ") else words
+    return any(sentence in comment for comment in comments)
+
+
+def _changes(
+    old: Step,
+    resolved: ResolvedStep | None,
+    new: Step | None,
+    found: Sequence[tuple[int, str]],
+) -> list[str]:
+    """Return in words what is different about a step, with the lines of the old script."""
+    said = list(found)
+    name = old.name.strip()
+    if resolved is not None and resolved.filter == NOTHING:
+        said = [(line, f"'{name}' left out: {words}") for line, words in said]
+    elif new is not None:
+        if old.name != new.name and not any(f"'{name}' is '" in words for _, words in said):
+            said.insert(0, (old.line, f"was '{old.name}'"))
+        if old.from_xml_plugin and not old.upgraded:
+            said.insert(0, (old.line, "was an <xmlfilter>"))
+            said += [(old.line, STAYS)] if new.upgraded else []
+        said += _changed_types(old, new)
+        said += _filled_in(old, resolved, new)
+    return [f"line {line}: {words}" if line else words for line, words in said]
+
+
+def _changed_types(old: Step, new: Step) -> list[tuple[int, str]]:
+    today = {param.name.lower(): param.rich_type for param in new.parameters}
+    return [
+        (param.line, f"parameter '{param.name}' was a {param.rich_type}")
+        for param in old.parameters
+        if param.rich_type not in ("", today.get(param.name.strip().lower(), param.rich_type))
+    ]
+
+
+def _filled_in(old: Step, resolved: ResolvedStep | None, new: Step) -> list[tuple[int, str]]:
+    if resolved is None or not isinstance(resolved.filter, Filter):
+        return []
+    absent = [param.name for param in new.parameters if param.name not in resolved.values]
+    if not absent:
+        return []
+    return [(old.line, f"written with their defaults: {', '.join(absent)}")]
+
+
+def _step_today(resolved: ResolvedStep) -> Step | None:
+    """Return the step under its name of today; None where nothing is left to do."""
+    if resolved.filter == NOTHING:
+        return None
+    if isinstance(resolved.filter, str):
+        return _change_today(resolved)
+    step = written_step(resolved.filter, resolved.values)
+    if isinstance(resolved.filter, NativeFilter):
+        step = _as_it_was(resolved, resolved.filter, step)
+    kept = kept_current(resolved)
+    return replace(step, from_xml_plugin=kept, upgraded=kept)
+
+
+def _change_today(resolved: ResolvedStep) -> Step:
+    if resolved.filter != CHANGE_LAYER:  # pragma: no cover
+        raise AssertionError(f"nobody knows how to write {resolved.filter}")
+    value = str(resolved.values["mesh"])
+    return Step(CHANGE_NAME, 0, (Param("mesh", 0, "RichMesh", value),))
+
+
+def written_as(resolved: ResolvedStep) -> Mapping[str, Param]:
+    """Return the written parameters of a native step, by their Python names of today."""
+    item = resolved.filter
+    if not isinstance(item, NativeFilter):
+        return {}
+    today = ((_today(item, resolved.step, param), param) for param in resolved.step.parameters)
+    return {known.name: param for known, param in today if known is not None}
+
+
+def as_written(value: Any, written: Param | None) -> float:
+    """Return a length as it was written: pymeshlab itself keeps lengths in single precision."""
+    number = math.nan if written is None else _number(written.text)
+    same = math.isfinite(number) and pymeshlab.PureValue(number).value() == value.value()
+    return number if same else float(value.value())
+
+
+def _as_it_was(resolved: ResolvedStep, item: NativeFilter, step: Step) -> Step:
+    """Return the step with what the table does not know: ranges, and names in filters not tried."""
+    written = written_as(resolved)
+    parameters = []
+    for new in step.parameters:
+        known = item.find(new.name)
+        old = written.get(known.name)
+        if old is not None:
+            spelt = old.name.strip() if item.probed and _is_known(item, old.name) else new.name
+            new = replace(new, name=spelt, **_in_its_range(new, old, resolved.values[known.name]))
+        parameters.append(new)
+    return replace(step, parameters=tuple(parameters))
+
+
+def _today(item: NativeFilter, step: Step, param: Param) -> NativeParameter | None:
+    if _is_known(item, param.name):
+        return item.find(param.name)
+    name = current_parameter(find_old_name(step.name), param.name)
+    return item.find(name) if name else None
+
+
+def _is_known(item: NativeFilter, name: str) -> bool:
+    try:
+        item.find(name)
+    except ParameterError:
+        return False
+    return True
+
+
+def _in_its_range(new: Param, old: Param, value: Any) -> dict[str, Any]:
+    """Return text and attributes of a number with a range: the old ones where they are sound."""
+    if new.rich_type not in RANGES or isinstance(value, pymeshlab.PercentageValue):
+        return {}
+    number = as_written(value, old) if isinstance(value, pymeshlab.PureValue) else float(value)
+    low, high = _number(old.attributes.get("min")), _number(old.attributes.get("max"))
+    if not (low <= number <= high and low < high):
+        low, high = min(0.0, number), max(1.0, 2.0 * number)
+    return {"text": repr(number), "attributes": {"min": repr(low), "max": repr(high)}}
+
+
+def _number(text: Any) -> float:
+    try:
+        number = float(text)
+    except (TypeError, ValueError):
+        return math.nan  # which is in no range
+    return number if math.isfinite(number) else math.nan
