@@ -16,7 +16,7 @@ from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.native_values import NativeParameter
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep
-from meshlab_symrecon.host.upgrade import kept_current, written_as
+from meshlab_symrecon.host.step_of_today import kept_current, written_as
 from meshlab_symrecon.plugin import Filter
 from meshlab_symrecon.plugin.parameters import Kind, Parameter
 

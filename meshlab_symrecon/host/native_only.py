@@ -13,7 +13,8 @@ from meshlab_symrecon.host.findings import ERROR, IGNORE, NOTE, SKIP, Finding, c
 from meshlab_symrecon.host.mlx import Script
 from meshlab_symrecon.host.old_names import CHANGE_LAYER
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep
-from meshlab_symrecon.host.upgrade import checked, kept_current
+from meshlab_symrecon.host.step_of_today import kept_current
+from meshlab_symrecon.host.upgrade import checked
 from meshlab_symrecon.plugin import Filter
 
 __all__ = ["checked_for_the_window", "for_the_window", "without_plugins"]

@@ -13,7 +13,8 @@ import pymeshlab
 from meshlab_symrecon.host.mlx import Script
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep
-from meshlab_symrecon.host.upgrade import as_written, comments_of, kept_current, written_as
+from meshlab_symrecon.host.step_of_today import as_written, kept_current, written_as
+from meshlab_symrecon.host.upgrade import comments_of
 from meshlab_symrecon.plugin import Filter
 
 __all__ = ["python_script"]

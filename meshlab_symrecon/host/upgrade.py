@@ -2,41 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
-import pymeshlab
-
-from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.host.findings import ERROR, IGNORE, Finding, check_findings
-from meshlab_symrecon.host.mlx import Param, Script, Step
-from meshlab_symrecon.host.native_filters import NativeFilter
-from meshlab_symrecon.host.native_values import NativeParameter
-from meshlab_symrecon.host.old_names import (
-    CHANGE_LAYER,
-    NOTHING,
-    POISSON,
-    current_parameter,
-    find_old_name,
-)
+from meshlab_symrecon.host.mlx import Script, Step
+from meshlab_symrecon.host.old_names import NOTHING
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep, matched
-from meshlab_symrecon.host.written_steps import written_step
+from meshlab_symrecon.host.step_of_today import step_today
 from meshlab_symrecon.plugin import Filter
 
-__all__ = [
-    "Upgrade",
-    "as_written",
-    "checked",
-    "comments_of",
-    "kept_current",
-    "upgraded",
-    "written_as",
-]
+__all__ = ["Upgrade", "checked", "comments_of", "upgraded"]
 
-RANGES = ("RichAbsPerc", "RichDynamicFloat")  # MeshLab drops these without "min" and "max"
-CHANGE_NAME = "Change the current layer"
 STAYS = (
     'current="unchanged": for symrecon the cloud stays current, as it did then; MeshLab makes the '
     "surface current today"
@@ -82,7 +59,7 @@ def upgraded(
     kept: dict[int, tuple[str, ...]] = {}
     for number, (old, resolved) in enumerate(zip(script.steps, matching.steps, strict=True)):
         own = tuple(before.get(number, ()))
-        new = None if resolved is None else _step_today(resolved)
+        new = None if resolved is None else step_today(resolved)
         said = _changes(old, resolved, new, comments_of(matching.findings, number))
         fresh = tuple(f" {words} " for words in said if not _is_said(words, own))
         if own or fresh:
@@ -120,11 +97,6 @@ def _one_line(finding: Finding) -> str:
     words = " ".join(finding.message.split())
     what = "" if finding.remedy == IGNORE else "this step was "
     return f"{what}left out: {words}" if finding.severity == ERROR else words
-
-
-def kept_current(resolved: ResolvedStep) -> bool:
-    """Say whether the layer that was current before the step is current after it."""
-    return resolved.step.from_xml_plugin and resolved.python_name == POISSON
 
 
 def _is_said(words: str, comments: Sequence[str]) -> bool:
@@ -171,87 +143,3 @@ def _filled_in(old: Step, resolved: ResolvedStep | None, new: Step) -> list[tupl
     if not absent:
         return []
     return [(old.line, f"written with their defaults: {', '.join(absent)}")]
-
-
-def _step_today(resolved: ResolvedStep) -> Step | None:
-    """Return the step under its name of today; None where nothing is left to do."""
-    if resolved.filter == NOTHING:
-        return None
-    if isinstance(resolved.filter, str):
-        return _change_today(resolved)
-    step = written_step(resolved.filter, resolved.values)
-    if isinstance(resolved.filter, NativeFilter):
-        step = _as_it_was(resolved, resolved.filter, step)
-    kept = kept_current(resolved)
-    return replace(step, from_xml_plugin=kept, upgraded=kept)
-
-
-def _change_today(resolved: ResolvedStep) -> Step:
-    if resolved.filter != CHANGE_LAYER:  # pragma: no cover
-        raise AssertionError(f"nobody knows how to write {resolved.filter}")
-    value = str(resolved.values["mesh"])
-    return Step(CHANGE_NAME, 0, (Param("mesh", 0, "RichMesh", value),))
-
-
-def written_as(resolved: ResolvedStep) -> Mapping[str, Param]:
-    """Return the written parameters of a native step, by their Python names of today."""
-    item = resolved.filter
-    if not isinstance(item, NativeFilter):
-        return {}
-    today = ((_today(item, resolved.step, param), param) for param in resolved.step.parameters)
-    return {known.name: param for known, param in today if known is not None}
-
-
-def as_written(value: Any, written: Param | None) -> float:
-    """Return a length as it was written: pymeshlab itself keeps lengths in single precision."""
-    number = math.nan if written is None else _number(written.text)
-    same = math.isfinite(number) and pymeshlab.PureValue(number).value() == value.value()
-    return number if same else float(value.value())
-
-
-def _as_it_was(resolved: ResolvedStep, item: NativeFilter, step: Step) -> Step:
-    """Return the step with what the table does not know: ranges, and names in filters not tried."""
-    written = written_as(resolved)
-    parameters = []
-    for new in step.parameters:
-        known = item.find(new.name)
-        old = written.get(known.name)
-        if old is not None:
-            spelt = old.name.strip() if item.probed and _is_known(item, old.name) else new.name
-            new = replace(new, name=spelt, **_in_its_range(new, old, resolved.values[known.name]))
-        parameters.append(new)
-    return replace(step, parameters=tuple(parameters))
-
-
-def _today(item: NativeFilter, step: Step, param: Param) -> NativeParameter | None:
-    if _is_known(item, param.name):
-        return item.find(param.name)
-    name = current_parameter(find_old_name(step.name), param.name)
-    return item.find(name) if name else None
-
-
-def _is_known(item: NativeFilter, name: str) -> bool:
-    try:
-        item.find(name)
-    except ParameterError:
-        return False
-    return True
-
-
-def _in_its_range(new: Param, old: Param, value: Any) -> dict[str, Any]:
-    """Return text and attributes of a number with a range: the old ones where they are sound."""
-    if new.rich_type not in RANGES or isinstance(value, pymeshlab.PercentageValue):
-        return {}
-    number = as_written(value, old) if isinstance(value, pymeshlab.PureValue) else float(value)
-    low, high = _number(old.attributes.get("min")), _number(old.attributes.get("max"))
-    if not (low <= number <= high and low < high):
-        low, high = min(0.0, number), max(1.0, 2.0 * number)
-    return {"text": repr(number), "attributes": {"min": repr(low), "max": repr(high)}}
-
-
-def _number(text: Any) -> float:
-    try:
-        number = float(text)
-    except (TypeError, ValueError):
-        return math.nan  # which is in no range
-    return number if math.isfinite(number) else math.nan
