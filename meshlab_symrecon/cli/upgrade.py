@@ -74,14 +74,13 @@ def _content(script: Any, matching: Any, explain: bool, to_python: bool) -> byte
     from meshlab_symrecon.host.explanation import explained
     from meshlab_symrecon.host.mlx import script_text
     from meshlab_symrecon.host.python_script import python_script
-    from meshlab_symrecon.host.script_comments import read_comments
     from meshlab_symrecon.host.upgrade import upgraded
 
     if explain:
         return explained(script, matching).encode()
     if to_python:
         return python_script(script, matching).encode()
-    result = upgraded(script, matching, read_comments(script.path))
+    result = upgraded(script, matching)
     if result.unchanged:
         return Path(script.path).read_bytes()
     return script_text(result.steps, script.path, result.comments).encode()

@@ -12,14 +12,7 @@ import pymeshlab
 from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.host.mlx import Param, Step
 from meshlab_symrecon.host.native_filters import NativeFilter
-from meshlab_symrecon.host.native_values import NativeParameter
-from meshlab_symrecon.host.old_names import (
-    CHANGE_LAYER,
-    NOTHING,
-    POISSON,
-    current_parameter,
-    find_old_name,
-)
+from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING, POISSON
 from meshlab_symrecon.host.resolution import ResolvedStep
 from meshlab_symrecon.host.written_steps import written_step
 
@@ -55,19 +48,37 @@ def _change_today(resolved: ResolvedStep) -> Step:
 
 
 def written_as(resolved: ResolvedStep) -> Mapping[str, Param]:
-    """Return the written parameters of a native step, by their Python names of today."""
+    """Return the written parameters of a native step, by their Python names of today.
+
+    One that has another name today is found by its value when it is a length; else it is left out.
+    """
     item = resolved.filter
     if not isinstance(item, NativeFilter):
         return {}
-    today = ((_today(item, resolved.step, param), param) for param in resolved.step.parameters)
-    return {known.name: param for known, param in today if known is not None}
+    written: dict[str, Param] = {}
+    renamed = []
+    for param in resolved.step.parameters:
+        if _is_known(item, param.name):
+            written[item.find(param.name).name] = param
+        else:
+            renamed.append(param)
+    for name, value in resolved.values.items():
+        if name not in written and isinstance(value, pymeshlab.PureValue):
+            same = (param for param in renamed if _is_length(param, value))
+            written |= {name: param for param in list(same)[:1]}
+    return written
+
+
+def _is_length(param: Param, value: Any) -> bool:
+    number = _number(param.text)
+    return math.isfinite(number) and pymeshlab.PureValue(number).value() == value.value()
 
 
 def as_written(value: Any, written: Param | None) -> float:
     """Return a length as it was written: pymeshlab itself keeps lengths in single precision."""
-    number = math.nan if written is None else _number(written.text)
-    same = math.isfinite(number) and pymeshlab.PureValue(number).value() == value.value()
-    return number if same else float(value.value())
+    if written is not None and _is_length(written, value):
+        return _number(written.text)
+    return float(value.value())
 
 
 def _as_it_was(resolved: ResolvedStep, item: NativeFilter, step: Step) -> Step:
@@ -82,13 +93,6 @@ def _as_it_was(resolved: ResolvedStep, item: NativeFilter, step: Step) -> Step:
             new = replace(new, name=spelt, **_in_its_range(new, old, resolved.values[known.name]))
         parameters.append(new)
     return replace(step, parameters=tuple(parameters))
-
-
-def _today(item: NativeFilter, step: Step, param: Param) -> NativeParameter | None:
-    if _is_known(item, param.name):
-        return item.find(param.name)
-    name = current_parameter(find_old_name(step.name), param.name)
-    return item.find(name) if name else None
 
 
 def _is_known(item: NativeFilter, name: str) -> bool:

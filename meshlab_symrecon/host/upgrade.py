@@ -38,9 +38,7 @@ class Upgrade:
     unchanged: bool
 
 
-def upgraded(
-    script: Script, matching: Matching, comments: Mapping[int, Sequence[str]] | None = None
-) -> Upgrade:
+def upgraded(script: Script, matching: Matching) -> Upgrade:
     """Write every step that can run under its name of today.
 
     Run by ``run_script``, the new script does what the old one does. What cannot run, and what
@@ -50,11 +48,9 @@ def upgraded(
     ----------
     script : Script
     matching : Matching
-        Of that script.
-    comments : mapping of int to texts, optional
-        The old script's own, which are kept above the steps they stand above.
+        Of that script. Its own comments stay above the steps they stand above.
     """
-    before = comments or {}
+    before = script.comments
     steps: list[Step] = []
     kept: dict[int, tuple[str, ...]] = {}
     for number, (old, resolved) in enumerate(zip(script.steps, matching.steps, strict=True)):

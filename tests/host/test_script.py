@@ -17,11 +17,10 @@ from meshlab_symrecon.errors import (
     SymReconWarning,
     UnknownFilterError,
 )
-from meshlab_symrecon.host import old_names, resolution
+from meshlab_symrecon.host import filter_names, resolution
 from meshlab_symrecon.host.mlx import read_script, step_of, write_script
 from meshlab_symrecon.host.native_filters import (
     find_native,
-    is_native,
     native_filters,
 )
 from meshlab_symrecon.host.native_values import NativeParameter
@@ -86,8 +85,8 @@ def sphere():
         (step(DECIMATION, param("TargetPerc", "nan")),
          "parameter 'targetperc' must be a number; got nan"),
         (step("Change the current layer"), "needs the parameter 'mesh'"),
-        (step("Change the current layer", param("layer", "1", "RichMesh")),
-         "unknown parameter 'layer' of 'Change the current layer'; known is 'mesh'"),
+        (step("Change the current layer", param("which", "1", "RichMesh")),
+         "unknown parameter 'which' of 'Change the current layer'; known is 'mesh'"),
         (step("Change the current layer", param("mesh", "-1", "RichMesh")),
          "parameter 'mesh' must be a layer's position; got -1"),
     ],
@@ -299,17 +298,6 @@ def test_positions_without_a_layer_are_no_crash(tmp_path, install, grow_filter, 
         run_script(sphere, path)
 
 
-@pytest.mark.parametrize("name", sorted(old_names.OLD_NAMES))
-def test_every_old_name_leads_to_a_filter_of_today(name):
-    old = old_names.OLD_NAMES[name]
-    assert not is_native(name)
-    if old.filter in (old_names.NOTHING, old_names.CHANGE_LAYER):
-        return
-    item = find_native(old.filter)
-    for today in (*old.values, *filter(None, old.parameters.values())):
-        assert item.find(today).name == today
-
-
 def test_old_names_and_parameters_are_mapped_and_told(tmp_path, sphere):
     path = written(
         tmp_path,
@@ -326,8 +314,7 @@ def test_old_names_and_parameters_are_mapped_and_told(tmp_path, sphere):
     assert second.filter == "no operation"
     assert third.notes[1:] == (
         "parameter 'toAll' is 'alllayers' today",
-        "parameter 'centerFlag' ignored: it is gone from 'Transform: Translate, Center, set "
-        "Origin'",
+        "parameter 'centerFlag' ignored: 'false' says nothing today",
     )
 
 
@@ -393,8 +380,8 @@ def test_files_that_a_script_reads_are_looked_for_first(tmp_path, monkeypatch, i
     reader = replace(
         find_native("meshing_close_holes"), menu_name="Read File", parameters=parameters
     )
-    monkeypatch.setattr(resolution, "is_native", lambda name: name == "Read File")
-    monkeypatch.setattr(resolution, "find_native", lambda name: reader)
+    monkeypatch.setattr(filter_names, "is_native", lambda name: name == "Read File")
+    monkeypatch.setattr(filter_names, "find_native", lambda name: reader)
     path = written(
         tmp_path, step("Grow Points"), step("Read File", param("File", "no.ply", "RichOpenFile"))
     )
