@@ -64,8 +64,9 @@ def written_as(resolved: ResolvedStep) -> Mapping[str, Param]:
             renamed.append(param)
     for name, value in resolved.values.items():
         if name not in written and isinstance(value, pymeshlab.PureValue):
-            same = (param for param in renamed if _is_length(param, value))
-            written |= {name: param for param in list(same)[:1]}
+            found = next((param for param in renamed if _is_length(param, value)), None)
+            if found is not None:
+                written[name] = found
     return written
 
 
