@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.native_values import NativeParameter
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep
-from meshlab_symrecon.host.step_of_today import kept_current, written_as
+from meshlab_symrecon.host.step_of_today import as_written, kept_current, written_as
 from meshlab_symrecon.plugin import Filter
 from meshlab_symrecon.plugin.parameters import Kind, Parameter
 
@@ -39,6 +39,7 @@ def explained(script: Script, matching: Matching) -> str:
     for number, resolved in enumerate(matching.steps):
         found = [finding for finding in matching.findings if finding.step == number]
         lines = _paragraph(script.steps[number], resolved)
+        lines += [f"Its comment: {' '.join(text.split())}" for text in _comments(script, number)]
         lines += [_said(finding, script.steps[number]) for finding in found]
         title, *rest = lines
         text = [f"{number + 1}. {title}", *(line for one in rest for line in _wrapped(one, INDENT))]
@@ -48,6 +49,12 @@ def explained(script: Script, matching: Matching) -> str:
         words = "mistake, so" if mistakes == 1 else "mistakes, so"
         paragraphs.append("\n".join(_wrapped(f"It has {mistakes} {words} it does not run.", "")))
     return "\n\n".join(paragraphs) + "\n"
+
+
+def _comments(script: Script, number: int) -> list[str]:
+    """Return what the author wrote above a step; below the last one belongs to it, too."""
+    below = script.comments.get(number + 1, ()) if number + 1 == len(script.steps) else ()
+    return [text for text in (*script.comments.get(number, ()), *below) if text.strip()]
 
 
 def _wrapped(text: str, indent: str) -> list[str]:
@@ -128,12 +135,14 @@ def _native(resolved: ResolvedStep, item: NativeFilter, where: str) -> list[str]
     lines += _works_on(resolved, item)
     values = resolved.values
     given = [known for known in item.parameters if known.name in values]
-    if given:
+    plain = [known for known in given if known.name not in resolved.layers]
+    if plain:
         lines.append("With:")
-    for known in given:
+    for known in plain:
         shown = _shown(known, values[known.name], written.get(known.name))
         lines.append(f"- {known.script_name} = {shown}")
-    return lines + _left_to_meshlab(item, values)
+    left = [known for known in item.parameters if known.name not in (*values, *written)]
+    return lines + _left_to_meshlab(left)
 
 
 def _works_on(resolved: ResolvedStep, item: NativeFilter) -> list[str]:
@@ -155,8 +164,7 @@ def _works_on(resolved: ResolvedStep, item: NativeFilter) -> list[str]:
     return lines
 
 
-def _left_to_meshlab(item: NativeFilter, values: Mapping[str, Any]) -> list[str]:
-    absent = [known for known in item.parameters if known.name not in values]
+def _left_to_meshlab(absent: Sequence[NativeParameter]) -> list[str]:
     lengths = [known.script_name for known in absent if known.rich_type == "RichAbsPerc"]
     layers = [known.script_name for known in absent if known.rich_type == "RichMesh"]
     others = [
@@ -180,7 +188,8 @@ def _shown(known: NativeParameter, value: Any, written: Param | None) -> str:
     if isinstance(value, pymeshlab.PercentageValue):
         return f"{value.value():.6g} % of the box's diagonal"
     if isinstance(value, pymeshlab.PureValue):
-        return f"{value.value():.6g}{_share(value.value(), written)}"
+        length = as_written(value, written)
+        return f"{length:.6g}{_share(length, written)}"
     if isinstance(value, pymeshlab.Color):
         channels = (value.red(), value.green(), value.blue())
         opacity = "" if value.alpha() == 255 else f", opacity {value.alpha() / 255:.0%}"
@@ -218,7 +227,7 @@ def _numbers(values: Any) -> str:
         return f"({_row(values)})"
     if np.array_equal(values, np.eye(4)):
         return "the matrix that moves nothing"
-    return "the matrix " + " | ".join(_row(row) for row in values)
+    return "the matrix with the rows " + ", ".join(f"({_row(row)})" for row in values)
 
 
 def _row(values: Sequence[float]) -> str:

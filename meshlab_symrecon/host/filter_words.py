@@ -37,9 +37,17 @@ BEGINNINGS = {  # the longest one that fits is taken
     "get_": "Measures, and changes nothing:",
     "load_": "Loads",
     "meshing_": "Changes the mesh:",
+    "meshing_close_": "Closes",
+    "meshing_cut_": "Cuts",
     "meshing_decimation_": "Makes the mesh coarser:",
+    "meshing_edge_flip_by_": "Flips edges between faces by",
+    "meshing_invert_": "Inverts",
+    "meshing_merge_": "Merges",
+    "meshing_re_orient_": "Orients anew",
+    "meshing_refine_": "Divides edges",
     "meshing_remove_": "Removes",
     "meshing_repair_": "Repairs",
+    "meshing_snap_": "Snaps",
     "meshing_surface_subdivision_": "Divides faces into smaller ones:",
     "save_": "Saves",
     "set_": "Sets",
@@ -53,6 +61,10 @@ ENDINGS = {
     "_per_mesh": "for the layer as a whole",
     "_per_raster": "for each picture",
 }
+WORDS = {"conntected": "connected", "icp": "ICP", "hc": "HC", "mls": "MLS", "apss": "APSS",
+         "rimls": "RIMLS", "vcg": "VCG", "ls3": "LS3", "gpu": "GPU", "poisson": "Poisson",
+         "laplacian": "Laplacian", "taubin": "Taubin", "hausdorff": "Hausdorff",
+         "voronoi": "Voronoi", "montecarlo": "Monte Carlo"}  # fmt: skip
 
 
 def sentence_of(python_name: str) -> str:
@@ -62,7 +74,8 @@ def sentence_of(python_name: str) -> str:
     )
     rest = python_name.removeprefix(beginning)
     ending = next((known for known in ENDINGS if rest.endswith(known)), "")
-    words = [BEGINNINGS.get(beginning, ""), *rest.removesuffix(ending).split("_")]
+    plain = rest.removesuffix(ending).split("_")
+    words = [BEGINNINGS.get(beginning, ""), *(WORDS.get(word, word) for word in plain)]
     tail = f", {ENDINGS[ending]}" if ending else ""
     sentence = " ".join(filter(None, words)) + tail
     return sentence[0].upper() + sentence[1:] + "."

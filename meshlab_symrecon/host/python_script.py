@@ -30,6 +30,7 @@ def main():
     for path in sys.argv[1:-1]:
         ms.load_new_mesh(path)
     apply_script(ms)
+    ms.apply_matrix_freeze()  # files have no place for a layer's matrix
     ms.save_current_mesh(sys.argv[-1])
 
 

@@ -48,26 +48,15 @@ def _change_today(resolved: ResolvedStep) -> Step:
 
 
 def written_as(resolved: ResolvedStep) -> Mapping[str, Param]:
-    """Return the written parameters of a native step, by their Python names of today.
+    """Return the parameters of a native step as they were written, by their Python names.
 
-    One that has another name today is found by its value when it is a length; else it is left out.
+    Those that have another name today are left out.
     """
     item = resolved.filter
     if not isinstance(item, NativeFilter):
         return {}
-    written: dict[str, Param] = {}
-    renamed = []
-    for param in resolved.step.parameters:
-        if _is_known(item, param.name):
-            written[item.find(param.name).name] = param
-        else:
-            renamed.append(param)
-    for name, value in resolved.values.items():
-        if name not in written and isinstance(value, pymeshlab.PureValue):
-            found = next((param for param in renamed if _is_length(param, value)), None)
-            if found is not None:
-                written[name] = found
-    return written
+    written = resolved.step.parameters
+    return {item.find(param.name).name: param for param in written if _is_known(item, param.name)}
 
 
 def _is_length(param: Param, value: Any) -> bool:
@@ -90,7 +79,7 @@ def _as_it_was(resolved: ResolvedStep, item: NativeFilter, step: Step) -> Step:
         known = item.find(new.name)
         old = written.get(known.name)
         if old is not None:
-            spelt = old.name.strip() if item.probed and _is_known(item, old.name) else new.name
+            spelt = old.name.strip() if item.probed else new.name
             new = replace(new, name=spelt, **_in_its_range(new, old, resolved.values[known.name]))
         parameters.append(new)
     return replace(step, parameters=tuple(parameters))
