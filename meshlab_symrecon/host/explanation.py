@@ -11,6 +11,7 @@ import pymeshlab
 
 from meshlab_symrecon.host.filter_words import sentence_of
 from meshlab_symrecon.host.findings import ERROR, Finding
+from meshlab_symrecon.host.guards import EMPTY_CLOUDS
 from meshlab_symrecon.host.mlx import Param, Script, Step
 from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.native_values import NativeParameter
@@ -159,6 +160,8 @@ def _works_on(resolved: ResolvedStep, item: NativeFilter) -> list[str]:
         lines.append(f"Works on {' and '.join(named)}.")
     elif not item.python_name.startswith("create_") and "visible" not in item.python_name:
         lines.append("Works on the current layer.")
+    if item.python_name in EMPTY_CLOUDS:
+        lines.append("A cloud without faces would lose every point, so it is refused for one.")
     if kept_current(resolved):
         lines.append("The cloud stays the current layer; the surface is a new layer beside it.")
     return lines

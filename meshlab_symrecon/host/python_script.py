@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pymeshlab
 
+from meshlab_symrecon.host.guards import EMPTY_CLOUDS
 from meshlab_symrecon.host.mlx import Script
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep
@@ -92,6 +93,8 @@ def _call(resolved: ResolvedStep) -> list[str]:
         return [f"ms.set_current_mesh({_layer_at(resolved.values['mesh'])})"]
     arguments = _arguments(resolved)
     call = _laid_out(f"ms.{resolved.python_name}", arguments)
+    if resolved.python_name in EMPTY_CLOUDS:
+        return ["# beware: it deletes every point of a cloud without faces", *call]
     if kept_current(resolved):
         return ["before = ms.current_mesh_id()", *call, "ms.set_current_mesh(before)"]
     return call

@@ -142,6 +142,12 @@ def test_values_as_they_are_written(name, values, line):
     assert body(FilterScript().with_step(name, **values)) == [line]
 
 
+def test_what_would_delete_a_cloud_is_marked():
+    lines = FilterScript().with_step("meshing_remove_unreferenced_vertices").to_python()
+    warning = "    # beware: it deletes every point of a cloud without faces\n"
+    assert f"{warning}    ms.meshing_remove_unreferenced_vertices()\n" in lines
+
+
 def test_long_texts_are_cut_and_stay_equal():
     text = "x*" + "'\\\n\"" * 60
     program = FilterScript().with_step("compute_scalar_by_function_per_vertex", q=text).to_python()
