@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.host.current_layer import KEPT, MADE, current_is_kept, current_was_kept
 from meshlab_symrecon.host.filter_names import find_any, find_listed, known_today
 from meshlab_symrecon.host.findings import IGNORE, NOTE, Finding, Findings, check_findings
 from meshlab_symrecon.host.guards import check_display
@@ -40,6 +41,8 @@ class ResolvedStep:
         Which of the values are positions of layers, to be mapped when the step runs.
     notes : tuple of Finding
         What was mapped or ignored, and why.
+    keeps_current : bool
+        The layer that it works on stays the current one, whatever layer it makes.
     """
 
     step: Step
@@ -47,6 +50,7 @@ class ResolvedStep:
     values: Mapping[str, Any] = field(default_factory=dict)
     layers: tuple[str, ...] = ()
     notes: tuple[Finding, ...] = ()
+    keeps_current: bool = False
 
     @property
     def python_name(self) -> str:
@@ -83,14 +87,35 @@ def matched(script: Script) -> Matching:
         findings.step = number
         steps.append(None)
         with findings.at(step.line):
-            steps[-1] = _with_notes(_resolved(step, findings), findings)
-    return Matching(tuple(steps), tuple(findings.found))
+            steps[-1] = _resolved(step, findings)
+    names = ["" if step is None else step.python_name for step in steps]
+    found = [
+        None if step is None else _with_current(step, names, number, findings)
+        for number, step in enumerate(steps)
+    ]
+    ordered = sorted(findings.found, key=lambda finding: (finding.step, finding.line))
+    return Matching(tuple(_with_notes(found, ordered)), tuple(ordered))
 
 
-def _with_notes(resolved: ResolvedStep, findings: Findings) -> ResolvedStep:
-    of_step = (finding for finding in findings.found if finding.step == findings.step)
-    notes = tuple(finding for finding in of_step if finding.severity == NOTE)
-    return replace(resolved, notes=notes)
+def _with_current(
+    resolved: ResolvedStep, names: Sequence[str], number: int, findings: Findings
+) -> ResolvedStep:
+    """Decide which layer is current after a step; see ``current_layer``."""
+    findings.step = number
+    if current_is_kept(names, number):
+        findings.note(resolved.step.line, KEPT)
+        return replace(resolved, keeps_current=True)
+    if current_was_kept(resolved.python_name, resolved.step):
+        findings.note(resolved.step.line, MADE)
+    return resolved
+
+
+def _with_notes(
+    steps: Sequence[ResolvedStep | None], findings: Sequence[Finding]
+) -> Iterator[ResolvedStep | None]:
+    for number, step in enumerate(steps):
+        notes = (found for found in findings if (found.step, found.severity) == (number, NOTE))
+        yield None if step is None else replace(step, notes=tuple(notes))
 
 
 def resolve_script(script: Script) -> tuple[ResolvedStep, ...]:

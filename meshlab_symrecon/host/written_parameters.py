@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.host.expressions import modern_expression
 from meshlab_symrecon.host.findings import Findings
 from meshlab_symrecon.host.mlx import Param
 from meshlab_symrecon.host.native_filters import NativeFilter
@@ -36,10 +37,12 @@ def values_of(item: NativeFilter, written: Param, findings: Findings) -> dict[st
         if change is None:
             raise
         return _changed(item, written, change, findings)
-    return _read(parameter, written, findings)
+    return _read(item, parameter, written, findings)
 
 
-def _read(parameter: NativeParameter, written: Param, findings: Findings) -> dict[str, Any]:
+def _read(
+    item: NativeFilter, parameter: NativeParameter, written: Param, findings: Findings
+) -> dict[str, Any]:
     if parameter.rich_type == CAMERA:
         camera = f"parameter '{written.name}' ignored: pymeshlab takes no camera from outside"
         findings.note(written.line, camera)
@@ -47,7 +50,21 @@ def _read(parameter: NativeParameter, written: Param, findings: Findings) -> dic
     value, note = value_of(parameter, written)
     if note:
         findings.note(written.line, note)
+    if _is_expression(item, parameter):
+        value = _of_today(written, value, findings)
     return {parameter.name: value}
+
+
+def _is_expression(item: NativeFilter, parameter: NativeParameter) -> bool:
+    evaluates = any(words in item.python_name for words in ("_by_function", "_by_condition"))
+    return parameter.rich_type == "RichString" and (evaluates or parameter.name.endswith("expr"))
+
+
+def _of_today(written: Param, expression: str, findings: Findings) -> str:
+    today = modern_expression(expression)
+    if today != expression:
+        findings.note(written.line, f"'{expression}' of '{written.name}' is '{today}' today")
+    return today
 
 
 def _changed(
@@ -63,7 +80,7 @@ def _changed(
     parameter = item.find(change.to)
     if not change.values:
         findings.note(written.line, f"parameter '{written.name}' is '{parameter.name}' today")
-        return _read(parameter, written, findings)
+        return _read(item, parameter, written, findings)
     old = NativeParameter(written.name, written.name, "RichBool")
     word = str(value_of(old, written)[0]).lower()
     text = change.values[word]

@@ -325,17 +325,57 @@ def test_values_that_old_names_stood_for(tmp_path, sphere):
     assert "'method' set to" in done.notes[1]
 
 
-def test_the_untyped_poisson_of_old_scripts_leaves_the_cloud_current(tmp_path, sphere):
+OLD_POISSON = (
+    '<xmlfilter name="Screened Poisson"><xmlparam name="depth" value="5"/>'
+    '<xmlparam name="threads" value="1"/></xmlfilter>'
+)
+NEW_POISSON = step(
+    "Surface Reconstruction: Screened Poisson",
+    param("depth", "5", "RichInt"), param("threads", "1", "RichInt"),
+)  # fmt: skip
+SAMPLES = step("Poisson-disk Sampling", param("SampleNum", "50", "RichInt"))
+
+
+@pytest.mark.parametrize(
+    ("maker", "label"),
+    [(OLD_POISSON, "Poisson mesh"), (NEW_POISSON, "Poisson mesh"),
+     (SAMPLES, "Poisson-disk Samples")],
+)  # fmt: skip
+def test_deleting_the_current_layer_after_making_one_deletes_the_old_one(
+    tmp_path, sphere, maker, label
+):
+    made, deleted = run_script(sphere, written(tmp_path, maker, step("Delete Current Mesh"))).steps
+    assert made.status == "mapped"
+    assert "stays current, as in the MeshLab of such scripts" in made.notes[-1]
+    assert deleted.status == "ran"
+    assert [mesh.label() for mesh in sphere] == [label]
+
+
+@pytest.mark.parametrize("maker", [OLD_POISSON, NEW_POISSON, SAMPLES])
+@pytest.mark.parametrize("after", ["", step("Compact vertices"), step("Rename Current Mesh")])
+def test_otherwise_a_new_layer_becomes_the_current_one(tmp_path, sphere, maker, after):
+    made = run_script(sphere, written(tmp_path, maker, after)).steps[0]
+    assert sphere.current_mesh_id() == 1
+    assert made.status == ("mapped" if maker == OLD_POISSON else "ran")
+
+
+def test_copies_are_made_and_deleted_as_written(tmp_path, sphere):
+    path = written(tmp_path, step("Duplicate Current layer"), step("Delete Current Mesh"))
+    run_script(sphere, path)
+    assert [mesh.label() for mesh in sphere] == ["Sphere"]
+
+
+def test_expressions_of_old_scripts_select_the_same(tmp_path, sphere):
     path = written(
         tmp_path,
-        '<xmlfilter name="Screened Poisson"><xmlparam name="depth" value="5"/>'
-        '<xmlparam name="threads" value="1"/></xmlfilter>',
-        step("Delete Current Mesh"),
-    )
-    poisson, _ = run_script(sphere, path).steps
-    assert poisson.filter == "generate_surface_reconstruction_screened_poisson"
-    assert "the cloud stays the current layer" in poisson.notes[-1]
-    assert [mesh.label() for mesh in sphere] == ["Poisson mesh"]
+        step("Conditional Vertex Selection", param("condSelect", "(x>0) and if(y>0, 1, z>0)",
+                                                   "RichString")),
+    )  # fmt: skip
+    (selected,) = run_script(sphere, path).steps
+    x, y, z = sphere.current_mesh().vertex_matrix().T
+    expected = (x > 0) & ((y > 0) | (z > 0))
+    np.testing.assert_array_equal(sphere.current_mesh().vertex_selection_array(), expected)
+    assert "is '(x>0) && ((y>0) ? (1) : (z>0))' today" in selected.notes[-1]
 
 
 def test_a_cloud_is_not_deleted_by_cleaning(tmp_path, cloud_set):
@@ -450,3 +490,12 @@ def test_any_filter_is_found_by_any_name(installed):
     assert find_any("close holes").python_name == "meshing_close_holes"
     with pytest.raises(UnknownFilterError, match="did you mean 'grow_points'"):
         find_any("grow_pionts")
+
+
+def test_what_meshlab_says_is_said_once(tmp_path, sphere):
+    path = written(tmp_path, step("Compute Area/Perimeter of selection"))
+    with pytest.raises(ScriptError) as caught:
+        run_script(sphere, path)
+    assert str(caught.value) == (
+        f"{path}:2: 'Compute Area/Perimeter of selection': Cannot apply: there is no face selection"
+    )
