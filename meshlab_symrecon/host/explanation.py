@@ -17,7 +17,7 @@ from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.native_values import NativeParameter
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep
-from meshlab_symrecon.host.step_of_today import as_written, kept_current, written_as
+from meshlab_symrecon.host.step_of_today import as_written, written_as
 from meshlab_symrecon.plugin import Filter
 from meshlab_symrecon.plugin.parameters import Kind, Parameter
 
@@ -162,8 +162,8 @@ def _works_on(resolved: ResolvedStep, item: NativeFilter) -> list[str]:
         lines.append("Works on the current layer.")
     if item.python_name in EMPTY_CLOUDS:
         lines.append("A cloud without faces would lose every point, so it is refused for one.")
-    if kept_current(resolved):
-        lines.append("The cloud stays the current layer; the surface is a new layer beside it.")
+    if resolved.keeps_current:
+        lines.append("That layer stays the current one; what is made is a layer beside it.")
     return lines
 
 

@@ -34,7 +34,6 @@ __all__ = [
 
 HEADER = "<!DOCTYPE FilterScript>\n"
 ROOT = "FilterScript"
-KEPT = ("current", "unchanged")  # attribute of a <filter>: its new layer does not become current
 STEPS = ("filter", "xmlfilter")
 PARAMETERS = ("param", "xmlparam")
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
@@ -73,8 +72,7 @@ class Step:
     name: str
     line: int = field(compare=False)
     parameters: tuple[Param, ...] = ()
-    from_xml_plugin: bool = False  # an <xmlfilter> of 2014 to 2020, or what became of one
-    upgraded: bool = False  # that <xmlfilter>, written as <filter current="unchanged">
+    from_xml_plugin: bool = False  # an <xmlfilter> of 2014 to 2020
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,9 +133,7 @@ class _Collector:
             raise self.problem(line, f"a step must be a <filter> or <xmlfilter>; got <{tag}>")
         if not attributes.get("name", "").strip():
             raise self.problem(line, f'this <{tag}> has no name; write name="..."')
-        upgraded = tag == "filter" and attributes.get(KEPT[0]) == KEPT[1]
-        from_xml_plugin = upgraded or tag == "xmlfilter"
-        self.steps.append(Step(attributes["name"], line, (), from_xml_plugin, upgraded))
+        self.steps.append(Step(attributes["name"], line, (), tag == "xmlfilter"))
 
     def start_parameter(self, line: int, attributes: dict[str, str]) -> None:
         rest = dict(attributes)
@@ -248,13 +244,10 @@ def script_text(steps: Iterable[Step], path: Path, comments: Mapping[int, Sequen
     for step in steps:
         _append_comments(root, comments.get(count, ()), path)
         count += 1
-        from_xml_plugin = step.from_xml_plugin and not step.upgraded
-        tag = "xmlfilter" if from_xml_plugin else "filter"
+        tag = "xmlfilter" if step.from_xml_plugin else "filter"
         element = ElementTree.SubElement(root, tag, {"name": _checked(step.name, path)})
-        if step.upgraded:
-            element.set(*KEPT)
         for parameter in step.parameters:
-            _append(element, parameter, "xmlparam" if from_xml_plugin else "Param", path)
+            _append(element, parameter, "xmlparam" if step.from_xml_plugin else "Param", path)
     _append_comments(root, comments.get(count, ()), path)
     ElementTree.indent(root, " ")
     return HEADER + ElementTree.tostring(root, encoding="unicode") + "\n"

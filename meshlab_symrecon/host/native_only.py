@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
 import pymeshlab
 
 from meshlab_symrecon.errors import ScriptError
-from meshlab_symrecon.host.findings import ERROR, IGNORE, NOTE, SKIP, Finding, check_findings
+from meshlab_symrecon.host.findings import IGNORE, Findings, check_findings
 from meshlab_symrecon.host.mlx import Script
-from meshlab_symrecon.host.old_names import CHANGE_LAYER
+from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep
-from meshlab_symrecon.host.step_of_today import kept_current
 from meshlab_symrecon.host.upgrade import checked
 from meshlab_symrecon.plugin import Filter
 
 __all__ = ["checked_for_the_window", "for_the_window", "without_plugins"]
 
-Say: TypeAlias = Callable[[str, str, str], None]  # severity, message, remedy
+Before: TypeAlias = Sequence[ResolvedStep | None]  # what stands above a step
+DELETE = "delete_current_mesh"
+MADE = (
+    "in MeshLab's window this deletes the layer that the step above made, which is current there; "
+    "delete the other one by hand"
+)
 
 
 def without_plugins(script: Script, matching: Matching) -> Matching:
@@ -37,8 +41,8 @@ def for_the_window(script: Script, matching: Matching) -> Matching:
     """Leave out what a script cannot hold that is to run in MeshLab's window.
 
     Steps of plugins go with a note, since MeshLab ends when it meets a filter it does not know.
-    Changes of the current layer and percentages are findings of severity ``ERROR``: without them
-    the script would do something else.
+    Changes of the current layer, deletions that would meet another layer there, and percentages
+    are findings of severity ``ERROR``: without them the script would do something else.
 
     Raises
     ------
@@ -65,24 +69,17 @@ def checked_for_the_window(script: Script, *, lenient: bool = False) -> Matching
 def _rewritten(
     script: Script,
     matching: Matching,
-    rule: Callable[[ResolvedStep, Say], ResolvedStep | None],
+    rule: Callable[[ResolvedStep, Before, Findings], ResolvedStep | None],
 ) -> Matching:
-    found = list(matching.findings)
+    findings = Findings(script.path)
+    findings.found += matching.findings
     steps: list[ResolvedStep | None] = []
     for number, resolved in enumerate(matching.steps):
-        if resolved is None:
-            steps.append(None)
-            continue
-        line = resolved.step.line
-
-        def say(
-            severity: str, message: str, remedy: str, line: int = line, number: int = number
-        ) -> None:
-            found.append(Finding(str(script.path), line, message, severity, remedy, number))
-
-        steps.append(rule(resolved, say))
+        findings.step = number
+        before = matching.steps[:number]
+        steps.append(None if resolved is None else rule(resolved, before, findings))
     _check_rest(script, matching, steps)
-    return Matching(tuple(steps), tuple(sorted(found, key=lambda finding: finding.step)))
+    return Matching(tuple(steps), tuple(sorted(findings.found, key=lambda found: found.step)))
 
 
 def _check_rest(script: Script, matching: Matching, steps: list[ResolvedStep | None]) -> None:
@@ -92,28 +89,37 @@ def _check_rest(script: Script, matching: Matching, steps: list[ResolvedStep | N
         raise ScriptError(f"{script.path}:1: {message}; run it with 'symrecon run'")
 
 
-def _native(resolved: ResolvedStep, say: Say) -> ResolvedStep | None:
+def _native(resolved: ResolvedStep, before: Before, findings: Findings) -> ResolvedStep | None:
     if not isinstance(resolved.filter, Filter):
         return resolved
-    say(NOTE, f"'{resolved.filter.menu_name}' left out: it is no filter of MeshLab's own", "")
+    message = f"'{resolved.filter.menu_name}' left out: it is no filter of MeshLab's own"
+    findings.note(resolved.step.line, message)
     return None
 
 
-def _in_the_window(resolved: ResolvedStep, say: Say) -> ResolvedStep | None:
-    native = _native(resolved, say)
+def _is_kept(before: Before) -> bool:
+    """Say whether the layer before the last step is still current after it."""
+    acted = [step for step in before if step is not None and step.filter != NOTHING]
+    return bool(acted) and acted[-1].keeps_current
+
+
+def _in_the_window(
+    resolved: ResolvedStep, before: Before, findings: Findings
+) -> ResolvedStep | None:
+    native = _native(resolved, before, findings)
     if native is None:
         return None
+    line = native.step.line
     if native.filter == CHANGE_LAYER:
-        say(ERROR, "MeshLab's scripts cannot change the current layer; click on it", SKIP)
+        findings.error(line, "MeshLab's scripts cannot change the current layer; click on it")
+        return None
+    if native.python_name == DELETE and _is_kept(before):
+        findings.error(line, MADE)
         return None
     values = dict(native.values)
     for name, value in native.values.items():
         if isinstance(value, pymeshlab.PercentageValue):
             message = f"parameter '{name}' is a percentage, {value.value():g}%; MeshLab's scripts "
-            say(ERROR, f"{message}hold lengths only; write the length", IGNORE)
+            findings.error(line, f"{message}hold lengths only; write the length", IGNORE)
             del values[name]
-    if not kept_current(native):
-        return replace(native, values=values)
-    say(NOTE, "the surface becomes the current layer, as MeshLab does it today", "")
-    step = replace(native.step, from_xml_plugin=False, upgraded=False)
-    return replace(native, step=step, values=values)
+    return replace(native, values=values)

@@ -14,7 +14,7 @@ from meshlab_symrecon.host.guards import EMPTY_CLOUDS
 from meshlab_symrecon.host.mlx import Script
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep
-from meshlab_symrecon.host.step_of_today import as_written, kept_current, written_as
+from meshlab_symrecon.host.step_of_today import as_written, written_as
 from meshlab_symrecon.host.upgrade import comments_of
 from meshlab_symrecon.plugin import Filter
 
@@ -95,7 +95,7 @@ def _call(resolved: ResolvedStep) -> list[str]:
     call = _laid_out(f"ms.{resolved.python_name}", arguments)
     if resolved.python_name in EMPTY_CLOUDS:
         return ["# beware: it deletes every point of a cloud without faces", *call]
-    if kept_current(resolved):
+    if resolved.keeps_current and not isinstance(resolved.filter, Filter):
         return ["before = ms.current_mesh_id()", *call, "ms.set_current_mesh(before)"]
     return call
 

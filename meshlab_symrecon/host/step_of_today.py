@@ -12,19 +12,14 @@ import pymeshlab
 from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.host.mlx import Param, Step
 from meshlab_symrecon.host.native_filters import NativeFilter
-from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING, POISSON
+from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING
 from meshlab_symrecon.host.resolution import ResolvedStep
 from meshlab_symrecon.host.written_steps import written_step
 
-__all__ = ["as_written", "kept_current", "step_today", "written_as"]
+__all__ = ["as_written", "step_today", "written_as"]
 
 RANGES = ("RichAbsPerc", "RichDynamicFloat")  # MeshLab drops these without "min" and "max"
 CHANGE_NAME = "Change the current layer"
-
-
-def kept_current(resolved: ResolvedStep) -> bool:
-    """Say whether the layer that was current before the step is current after it."""
-    return resolved.step.from_xml_plugin and resolved.python_name == POISSON
 
 
 def step_today(resolved: ResolvedStep) -> Step | None:
@@ -35,9 +30,8 @@ def step_today(resolved: ResolvedStep) -> Step | None:
         return _change_today(resolved)
     step = written_step(resolved.filter, resolved.values)
     if isinstance(resolved.filter, NativeFilter):
-        step = _as_it_was(resolved, resolved.filter, step)
-    kept = kept_current(resolved)
-    return replace(step, from_xml_plugin=kept, upgraded=kept)
+        return _as_it_was(resolved, resolved.filter, step)
+    return step
 
 
 def _change_today(resolved: ResolvedStep) -> Step:

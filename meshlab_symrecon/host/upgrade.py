@@ -14,11 +14,6 @@ from meshlab_symrecon.plugin import Filter
 
 __all__ = ["Upgrade", "checked", "comments_of", "upgraded"]
 
-STAYS = (
-    'current="unchanged": for symrecon the cloud stays current, as it did then; MeshLab makes the '
-    "surface current today"
-)
-
 
 @dataclass(frozen=True, slots=True)
 class Upgrade:
@@ -115,9 +110,8 @@ def _changes(
     elif new is not None:
         if old.name != new.name and not any(f"'{name}' is '" in words for _, words in said):
             said.insert(0, (old.line, f"was '{old.name}'"))
-        if old.from_xml_plugin and not old.upgraded:
+        if old.from_xml_plugin:
             said.insert(0, (old.line, "was an <xmlfilter>"))
-            said += [(old.line, STAYS)] if new.upgraded else []
         said += _changed_types(old, new)
         said += _filled_in(old, resolved, new)
     return [f"line {line}: {words}" if line else words for line, words in said]

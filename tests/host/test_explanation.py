@@ -66,12 +66,13 @@ WORDS = """1. Merge Close Vertices (line 3)
    In Python: generate_surface_reconstruction_screened_poisson
    Makes a new layer with a surface through the points: screened Poisson.
    Works on the current layer.
-   The cloud stays the current layer; the surface is a new layer beside it.
    With:
    - depth = 8
    Not given, so left at MeshLab's defaults: visibleLayer, fullDepth, cgDepth,
    scale, samplesPerNode, pointWeight, iters, confidence, preClean, threads.
    Note: 'Screened Poisson' is 'Surface Reconstruction: Screened Poisson' today.
+   Note: the layer that it makes becomes current; up to MeshLab 2016.12 the old
+   one stayed current.
 
 7. Grow Points (line 15)
    In Python: generate_grown_points
@@ -151,6 +152,13 @@ def test_shares_are_told_where_the_range_is_one(tmp_path, attributes, words):
     path.write_text(f'<FilterScript><filter name="Merge Close Vertices">{param}</filter>'
                     "</FilterScript>")  # fmt: skip
     assert words in FilterScript.read(path).explained()
+
+
+def test_which_layer_stays_current():
+    steps = [("generate_surface_reconstruction_screened_poisson", {}), ("delete_current_mesh", {})]
+    words = "That layer stays the current one; what is made is a layer beside it.\n"
+    assert words in of(*steps)
+    assert words not in of(*steps[:1])
 
 
 def test_every_filter_of_meshlab_has_a_sentence():

@@ -33,12 +33,16 @@ def apply_script(ms):
     # line 7: Merge Close Vertices
     ms.meshing_merge_close_vertices(threshold=pymeshlab.PureValue(0.02))
     # line 9: 'Screened Poisson' is 'Surface Reconstruction: Screened Poisson' today
+    # the layer that it worked on stays current, as in the MeshLab of such scripts, since the next
+    # step deletes the current one
     before = ms.current_mesh_id()
     ms.generate_surface_reconstruction_screened_poisson(depth=4, threads=1)
     ms.set_current_mesh(before)
-    # line 11: Change the current layer
+    # line 11: Delete Current Mesh
+    ms.delete_current_mesh()
+    # line 12: Change the current layer
     # the current layer changes, by position
-    ms.set_current_mesh([mesh.id() for mesh in ms][1])
+    ms.set_current_mesh([mesh.id() for mesh in ms][0])
 
 
 def main():
@@ -65,7 +69,8 @@ OLD = """<FilterScript>
 </filter>
 <xmlfilter name="Screened Poisson"><xmlparam name="depth" value="4"/>
 <xmlparam name="threads" value="1"/></xmlfilter>
-<filter name="Change the current layer"><Param type="RichMesh" name="mesh" value="1"/></filter>
+<filter name="Delete Current Mesh"/>
+<filter name="Change the current layer"><Param type="RichMesh" name="mesh" value="0"/></filter>
 </FilterScript>
 """
 

@@ -9,7 +9,11 @@ import pytest
 from meshlab_symrecon.errors import ScriptError
 from meshlab_symrecon.host.filter_script import FilterScript
 from meshlab_symrecon.host.mlx import Param, Step, read_script, script_text, write_script
-from meshlab_symrecon.host.native_only import for_the_window, without_plugins
+from meshlab_symrecon.host.native_only import (
+    checked_for_the_window,
+    for_the_window,
+    without_plugins,
+)
 from meshlab_symrecon.host.resolution import matched
 from meshlab_symrecon.host.step_of_today import as_written
 from meshlab_symrecon.host.upgrade import checked, upgraded
@@ -44,9 +48,9 @@ NEW = """<!DOCTYPE FilterScript>
  <!-- line 9: was an <xmlfilter> -->
  <!-- line 9: 'Screened Poisson Surface Reconstruction' is 'Surface Reconstruction: Screened \
 Poisson' today -->
- <!-- line 9: current="unchanged": for symrecon the cloud stays current, as it did then; MeshLab \
-makes the surface current today -->
- <filter name="Surface Reconstruction: Screened Poisson" current="unchanged">
+ <!-- line 9: the layer that it makes becomes current; up to MeshLab 2016.12 the old one stayed \
+current -->
+ <filter name="Surface Reconstruction: Screened Poisson">
   <Param type="RichInt" name="depth" value="6" />
  </filter>
  <!-- line 12: written with their defaults: randomseed, mode, keep, title -->
@@ -189,17 +193,6 @@ def test_comments_are_written_where_they_belong_and_made_safe(tmp_path):
         write_script(steps, path, {0: ["\x00"]})
 
 
-def test_the_mark_of_a_step_that_leaves_the_layer_current(script, tmp_path):
-    marked = script('<filter name="A" current="unchanged"/>', '<filter name="B" current="else"/>')
-    assert [(step.from_xml_plugin, step.upgraded) for step in marked.steps] == [
-        (True, True),
-        (False, False),
-    ]
-    write_script(marked.steps, tmp_path / "b.mlx")
-    assert read_script(tmp_path / "b.mlx").steps == marked.steps
-    assert (tmp_path / "b.mlx").read_text().count('<filter name="A" current="unchanged"') == 1
-
-
 def test_steps_of_plugins_are_left_out_of_native_scripts(script, installed):
     mixed = script('<filter name="Grow Points"/>', '<filter name="Close Holes"/>')
     for leave_out in (for_the_window, without_plugins):
@@ -226,13 +219,19 @@ def test_a_script_of_which_nothing_is_left(script, installed, leave_out, steps):
         leave_out(ours, matched(ours))
 
 
-def test_an_untyped_poisson_in_the_window_makes_the_surface_current(script):
-    poisson = script('<xmlfilter name="Screened Poisson"><xmlparam name="depth" value="4"/>'
-                     "</xmlfilter>")  # fmt: skip
-    matching = for_the_window(poisson, matched(poisson))
-    assert "the surface becomes the current layer" in matching.findings[-1].message
-    (step,) = upgraded(poisson, matching).steps
-    assert (step.from_xml_plugin, step.upgraded) == (False, False)
+def test_the_layer_that_a_deletion_would_meet_in_the_window(script):
+    poisson = '<filter name="Screened Poisson"/>'
+    delete = '<filter name="Delete Current Mesh"/>'
+    apart = script(poisson, '<filter name="Close Holes"/>', delete)
+    assert all(
+        finding.severity == "note" for finding in for_the_window(apart, matched(apart)).findings
+    )
+    kept = script(poisson, delete)
+    assert matched(kept).steps[0].keeps_current
+    with pytest.raises(ScriptError, match=r"old.mlx:3: in MeshLab's window this deletes the lay"):
+        checked_for_the_window(kept)
+    new = upgraded(kept, checked_for_the_window(kept, lenient=True))
+    assert [step.name for step in new.steps] == ["Surface Reconstruction: Screened Poisson"]
 
 
 def test_the_object_has_all_of_it(script, installed, tmp_path):
