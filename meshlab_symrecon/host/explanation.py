@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pymeshlab
 
+from meshlab_symrecon.host.constant_defaults import constant_defaults
 from meshlab_symrecon.host.filter_words import sentence_of
 from meshlab_symrecon.host.findings import ERROR, Finding
 from meshlab_symrecon.host.guards import EMPTY_CLOUDS
@@ -143,7 +144,7 @@ def _native(resolved: ResolvedStep, item: NativeFilter, where: str) -> list[str]
         shown = _shown(known, values[known.name], written.get(known.name))
         lines.append(f"- {known.script_name} = {shown}")
     left = [known for known in item.parameters if known.name not in (*values, *written)]
-    return lines + _left_to_meshlab(left)
+    return lines + _left_to_meshlab(item, left)
 
 
 def _works_on(resolved: ResolvedStep, item: NativeFilter) -> list[str]:
@@ -167,19 +168,24 @@ def _works_on(resolved: ResolvedStep, item: NativeFilter) -> list[str]:
     return lines
 
 
-def _left_to_meshlab(absent: Sequence[NativeParameter]) -> list[str]:
-    lengths = [known.script_name for known in absent if known.rich_type == "RichAbsPerc"]
+def _left_to_meshlab(item: NativeFilter, absent: Sequence[NativeParameter]) -> list[str]:
+    constant = constant_defaults(item.python_name)
+    defaults = [
+        f"{known.script_name} = {_shown(known, constant[known.name], None)}"
+        for known in absent
+        if known.name in constant
+    ]
     layers = [known.script_name for known in absent if known.rich_type == "RichMesh"]
     others = [
         known.script_name
         for known in absent
-        if known.rich_type not in ("RichAbsPerc", "RichMesh", "RichShotf")
+        if known.name not in constant and known.rich_type not in ("RichMesh", "RichShotf")
     ]
     lines = []
+    if defaults:
+        lines.append(f"Not given, so left at MeshLab's defaults: {', '.join(defaults)}.")
     if others:
-        lines.append(f"Not given, so left at MeshLab's defaults: {', '.join(others)}.")
-    if lengths:
-        lines.append(f"Not given, so computed from the size of the layer: {', '.join(lengths)}.")
+        lines.append(f"Not given, so chosen when it runs: {', '.join(others)}.")
     if layers:
         lines.append(f"Not given, so MeshLab picks the layer: {', '.join(layers)}.")
     return lines
@@ -219,7 +225,7 @@ def _plain(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.9g}"
+        return f"{value:.6g}"
     if isinstance(value, np.ndarray):
         return _numbers(value)
     return f"'{value}'" if isinstance(value, str) else str(value)

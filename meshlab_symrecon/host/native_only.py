@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
 import pymeshlab
 
 from meshlab_symrecon.errors import ScriptError
+from meshlab_symrecon.host.constant_defaults import constant_defaults
 from meshlab_symrecon.host.findings import IGNORE, Findings, check_findings
 from meshlab_symrecon.host.mlx import Script
+from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep
 from meshlab_symrecon.host.upgrade import checked
@@ -38,8 +40,10 @@ def without_plugins(script: Script, matching: Matching) -> Matching:
 
 
 def for_the_window(script: Script, matching: Matching) -> Matching:
-    """Leave out what a script cannot hold that is to run in MeshLab's window.
+    """Leave out what a script cannot hold that is to run in MeshLab's window; write out defaults.
 
+    Its window fills in no defaults, so all that depend neither on the layer nor on the
+    machine are written.
     Steps of plugins go with a note, since MeshLab ends when it meets a filter it does not know.
     Changes of the current layer, deletions that would meet another layer there, and percentages
     are findings of severity ``ERROR``: without them the script would do something else.
@@ -122,4 +126,17 @@ def _in_the_window(
             message = f"parameter '{name}' is a percentage, {value.value():g}%; MeshLab's scripts "
             findings.error(line, f"{message}hold lengths only; write the length", IGNORE)
             del values[name]
+    if isinstance(native.filter, NativeFilter) and not native.filter.probed:
+        values = {**constant_defaults(native.filter.python_name), **values}
+        _note_absent(native, native.filter, values, findings)
     return replace(native, values=values)
+
+
+def _note_absent(
+    native: ResolvedStep, item: NativeFilter, values: Mapping[str, object], findings: Findings
+) -> None:
+    """Say what is not given, for MeshLab's window fills in no defaults of its own."""
+    absent = [known.script_name for known in item.parameters if known.name not in values]
+    if absent:
+        message = f"not given, since chosen when it runs: {', '.join(absent)}; MeshLab's window"
+        findings.note(native.step.line, f"{message} may want it")

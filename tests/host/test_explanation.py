@@ -50,7 +50,7 @@ WORDS = """1. Merge Close Vertices (line 3)
    each vertex.
    Works on layer 0 (the first) as MeasureMesh and layer 11 (number 12) as
    RefMesh.
-   Not given, so computed from the size of the layer: MaxDist.
+   Not given, so chosen when it runs: MaxDist.
    MISTAKE (line 10): parameter 'signeddist' must be true or false; got
    'perhaps'.
 
@@ -68,8 +68,10 @@ WORDS = """1. Merge Close Vertices (line 3)
    Works on the current layer.
    With:
    - depth = 8
-   Not given, so left at MeshLab's defaults: visibleLayer, fullDepth, cgDepth,
-   scale, samplesPerNode, pointWeight, iters, confidence, preClean, threads.
+   Not given, so left at MeshLab's defaults: visibleLayer = no, fullDepth = 5,
+   cgDepth = 0, scale = 1.1, samplesPerNode = 1.5, pointWeight = 4, iters = 8,
+   confidence = no, preClean = no.
+   Not given, so chosen when it runs: threads.
    Note: 'Screened Poisson' is 'Surface Reconstruction: Screened Poisson' today.
    Note: the layer that it makes becomes current; up to MeshLab 2016.12 the old
    one stayed current.
@@ -128,7 +130,7 @@ def test_a_whole_script_with_its_mistakes(tmp_path, installed):
         ("meshing_remove_unreferenced_vertices", {},
          "   A cloud without faces would lose every point, so it is refused for one.\n"),
         ("meshing_merge_close_vertices", {},
-         "Not given, so computed from the size of the layer: Threshold.\n"),
+         "Not given, so chosen when it runs: Threshold.\n"),
     ],
 )  # fmt: skip
 def test_values_in_words(name, values, words):

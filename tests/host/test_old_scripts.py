@@ -190,6 +190,8 @@ def test_what_is_native_runs_in_the_own_reader_of_pymeshlab(path, document, tmp_
     native.load_filter_script(str(target))
     native.apply_filter_script()
     assert_same(ran(document(), target)[0], native, SINGLE)
+    if path.stem not in IN_NO_WINDOW and not path.stem.startswith("ours"):
+        assert_same(ran(document(), path)[0], native, SINGLE)
 
 
 @every_script

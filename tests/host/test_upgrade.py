@@ -201,7 +201,7 @@ def test_steps_of_plugins_are_left_out_of_native_scripts(script, installed):
             None,
             "meshing_close_holes",
         ]
-        (finding,) = matching.findings
+        finding = matching.findings[0]
         assert str(finding).endswith(
             "old.mlx:2: 'Grow Points' left out: it is no filter of MeshLab's own"
         )
@@ -232,6 +232,23 @@ def test_the_layer_that_a_deletion_would_meet_in_the_window(script):
         checked_for_the_window(kept)
     new = upgraded(kept, checked_for_the_window(kept, lenient=True))
     assert [step.name for step in new.steps] == ["Surface Reconstruction: Screened Poisson"]
+
+
+def test_the_window_gets_the_defaults_that_it_does_not_fill_in(script):
+    plain = script('<filter name="Close Holes"><Param type="RichInt" name="MaxHoleSize" value="9"/>'
+                   "</filter>")  # fmt: skip
+    matching = checked_for_the_window(plain)
+    assert [finding.message for finding in matching.findings] == [
+        "not given, since chosen when it runs: Selected, RefineHoleEdgeLen; MeshLab's window "
+        "may want it"
+    ]
+    (step,) = upgraded(plain, matching).steps
+    assert {param.name: param.text for param in step.parameters} == {
+        "MaxHoleSize": "9",
+        "NewFaceSelected": "true",
+        "SelfIntersection": "true",
+        "RefineHole": "false",
+    }
 
 
 def test_the_object_has_all_of_it(script, installed, tmp_path):
