@@ -7,6 +7,7 @@ import pymeshlab
 import pytest
 
 from meshlab_symrecon.errors import ScriptError
+from meshlab_symrecon.host.explanation import explained
 from meshlab_symrecon.host.filter_script import FilterScript
 from meshlab_symrecon.host.mlx import Param, Step, read_script, script_text, write_script
 from meshlab_symrecon.host.native_only import (
@@ -14,6 +15,7 @@ from meshlab_symrecon.host.native_only import (
     for_the_window,
     without_plugins,
 )
+from meshlab_symrecon.host.python_script import python_script
 from meshlab_symrecon.host.resolution import matched
 from meshlab_symrecon.host.step_of_today import as_written
 from meshlab_symrecon.host.upgrade import checked, upgraded
@@ -180,6 +182,15 @@ def test_what_cannot_run_is_left_out_with_a_comment(script):
         "<!-- line 3: left out: parameter 'maxholesize' must be a whole number; got 'x' -->" in text
     )
     assert text.count("<filter") == 1
+
+
+@pytest.mark.parametrize("attributes", ['name="mesh" value="x"', 'name="which" value="1"'])
+def test_a_change_to_no_layer_is_left_out(script, attributes):
+    param = f'<Param type="RichMesh" {attributes}/>'
+    wrong = script(f'<filter name="Change the current layer">{param}</filter>')
+    assert today(wrong, lenient=True).steps == ()
+    assert "MISTAKE" in explained(wrong, matched(wrong))
+    assert "set_current_mesh" not in python_script(wrong, checked(wrong, lenient=True))
 
 
 def test_comments_are_written_where_they_belong_and_made_safe(tmp_path):
