@@ -60,7 +60,7 @@ def upgrade(
     if new is not None:
         for finding in found:
             click.echo(f"{finding}")
-        click.echo(f"{len(script.steps)} steps, written {new}")
+        click.echo(f"written {new}")
 
 
 def _check_new(old: Path, new: Path | None) -> None:
@@ -81,8 +81,8 @@ def _content(script: Any, matching: Any, explain: bool, to_python: bool) -> byte
     if to_python:
         return python_script(script, matching).encode()
     result = upgraded(script, matching)
-    if result.unchanged:
-        return Path(script.path).read_bytes()
+    if result.unchanged and script.path.is_file():  # a pipe is empty by now
+        return script.path.read_bytes()
     return script_text(result.steps, script.path, result.comments).encode()
 
 

@@ -16,7 +16,7 @@ from meshlab_symrecon.host.guards import EMPTY_CLOUDS
 from meshlab_symrecon.host.mlx import Param, Script, Step
 from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.native_values import NativeParameter
-from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING
+from meshlab_symrecon.host.old_names import NOTHING
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep
 from meshlab_symrecon.host.step_of_today import as_written, written_as
 from meshlab_symrecon.plugin import Filter
@@ -84,14 +84,12 @@ def _paragraph(step: Step, resolved: ResolvedStep | None) -> list[str]:
         return [f"{name}{where}", "Does not run."]
     if resolved.filter == NOTHING:
         return [f"{name}{where}", "Does nothing today."]
-    if resolved.filter == CHANGE_LAYER:
+    if isinstance(resolved.filter, str):
         which = _layer(resolved.values["mesh"])
         return [f"{name}{where}", f"Makes {which} the current layer: the next steps work on it."]
     if isinstance(resolved.filter, Filter):
         return _plugin(resolved, resolved.filter, where)
-    if isinstance(resolved.filter, NativeFilter):
-        return _native(resolved, resolved.filter, where)
-    raise AssertionError(f"nobody knows how to explain {resolved.filter}")
+    return _native(resolved, resolved.filter, where)
 
 
 def _layer(position: int) -> str:

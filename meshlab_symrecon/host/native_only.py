@@ -82,14 +82,13 @@ def _rewritten(
         findings.step = number
         before = matching.steps[:number]
         steps.append(None if resolved is None else rule(resolved, before, findings))
-    _check_rest(script, matching, steps)
+    _check_rest(script, steps)
     return Matching(tuple(steps), tuple(sorted(findings.found, key=lambda found: found.step)))
 
 
-def _check_rest(script: Script, matching: Matching, steps: list[ResolvedStep | None]) -> None:
+def _check_rest(script: Script, steps: Sequence[ResolvedStep | None]) -> None:
     if not any(step is not None and not isinstance(step.filter, str) for step in steps):
-        count = len(matching.steps)
-        message = f"none of the {count} steps is a filter of MeshLab's own, so nothing is left"
+        message = "no step that can run is a filter of MeshLab's own, so nothing is left"
         raise ScriptError(f"{script.path}:1: {message}; run it with 'symrecon run'")
 
 

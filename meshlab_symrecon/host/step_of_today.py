@@ -12,7 +12,7 @@ import pymeshlab
 from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.host.mlx import Param, Step
 from meshlab_symrecon.host.native_filters import NativeFilter
-from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING
+from meshlab_symrecon.host.old_names import NOTHING
 from meshlab_symrecon.host.resolution import ResolvedStep
 from meshlab_symrecon.host.written_steps import written_step
 
@@ -35,8 +35,6 @@ def step_today(resolved: ResolvedStep) -> Step | None:
 
 
 def _change_today(resolved: ResolvedStep) -> Step:
-    if resolved.filter != CHANGE_LAYER:  # pragma: no cover
-        raise AssertionError(f"nobody knows how to write {resolved.filter}")
     value = str(resolved.values["mesh"])
     return Step(CHANGE_NAME, 0, (Param("mesh", 0, "RichMesh", value),))
 

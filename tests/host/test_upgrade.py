@@ -226,7 +226,7 @@ def test_steps_of_plugins_are_left_out_of_native_scripts(script, installed):
                                    ('<filter name="Compact faces"/>',)])  # fmt: skip
 def test_a_script_of_which_nothing_is_left(script, installed, leave_out, steps):
     ours = script(*steps)
-    with pytest.raises(ScriptError, match=rf"old.mlx:1: none of the {len(steps)} steps is a filt"):
+    with pytest.raises(ScriptError, match=r"old.mlx:1: no step that can run is a filt"):
         leave_out(ours, matched(ours))
 
 
@@ -237,9 +237,9 @@ def test_the_layer_that_a_deletion_would_meet_in_the_window(script):
     assert all(
         finding.severity == "note" for finding in for_the_window(apart, matched(apart)).findings
     )
-    kept = script(poisson, delete)
+    kept = script(poisson, '<filter name="Compact faces"/>', delete)
     assert matched(kept).steps[0].keeps_current
-    with pytest.raises(ScriptError, match=r"old.mlx:3: in MeshLab's window this deletes the lay"):
+    with pytest.raises(ScriptError, match=r"old.mlx:4: in MeshLab's window this deletes the lay"):
         checked_for_the_window(kept)
     new = upgraded(kept, checked_for_the_window(kept, lenient=True))
     assert [step.name for step in new.steps] == ["Surface Reconstruction: Screened Poisson"]
