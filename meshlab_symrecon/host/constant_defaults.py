@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pymeshlab
 
-from meshlab_symrecon.host.native_filters import NativeFilter, find_native
+from meshlab_symrecon.host.native_filters import NativeFilter, native_filters
 from meshlab_symrecon.host.native_values import NativeParameter, checked_value
 
 __all__ = ["constant_defaults"]
@@ -22,11 +22,24 @@ FROM_THE_DOCUMENT = ("RichMesh", "RichShotf")  # a layer's number; a camera
 FROM_THE_MACHINE = ("threads",)
 
 
-@cache
 def constant_defaults(python_name: str) -> Mapping[str, Any]:
     """Return the defaults of a filter that depend neither on the layer nor on the machine."""
-    item = find_native(python_name)
-    first, second = (document.filter_parameter_values(item.python_name) for document in _unlike())
+    return _of_all_filters()[python_name]
+
+
+@cache
+def _of_all_filters() -> Mapping[str, Mapping[str, Any]]:
+    """Ask for all filters at once, so that no document outlives the question."""
+    first, second = _unlike()
+    return {
+        name: _constant(item, *(one.filter_parameter_values(name) for one in (first, second)))
+        for name, item in native_filters().items()
+    }
+
+
+def _constant(
+    item: NativeFilter, first: Mapping[str, Any], second: Mapping[str, Any]
+) -> Mapping[str, Any]:
     return {
         known.name: checked_value(known, first[known.name])
         for known in _asked(item)
@@ -48,7 +61,6 @@ def _plain(value: Any) -> Any:
     return value
 
 
-@cache
 def _unlike() -> tuple[Any, Any]:
     """Return two documents that differ in name, size, counts, quality, selection and matrix."""
     small, large = (pymeshlab.MeshSet(verbose=False) for _ in range(2))
