@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -103,6 +104,39 @@ def test_the_script_of_the_detection_page_selects_and_runs(tmp_path):
     expected = scan.vertex_matrix()[:, 1] > 150.0
     assert 0 < np.count_nonzero(expected) < len(expected)
     assert np.array_equal(scan.vertex_selection_array(), expected)
+
+
+def test_the_scripts_page_shows_what_its_commands_do(tmp_path):
+    page = ROOT.joinpath("docs/scripts.md").read_text(encoding="utf-8")
+    old, new = re.findall(r"```xml\n(.*?)```", page, re.DOTALL)
+    (words,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
+    program, in_python = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    (tmp_path / "old.mlx").write_text(old, encoding="utf-8")
+    scan = ROOT / "examples/data/nefertiti_small.ply"
+    (tmp_path / "scan.ply").write_bytes(scan.read_bytes())
+    (tmp_path / "in_python.py").write_text(in_python, encoding="utf-8")
+    commands = "".join(re.findall(r"```sh\n(.*?)```", page, re.DOTALL)).splitlines()
+    said = {}
+    for command in (*commands, "python in_python.py"):
+        first, *rest = command.split()
+        module = ["-m", "meshlab_symrecon.cli.main"] if first == "symrecon" else []
+        done = subprocess.run(
+            [sys.executable, *module, *rest],
+            cwd=tmp_path, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, f"{command}\n{done.stderr}"
+        said[command] = done.stdout
+    assert said["symrecon upgrade old.mlx --explain"] == words
+    assert (tmp_path / "same.py").read_text(encoding="utf-8") == program
+    assert (tmp_path / "new.mlx").read_text(encoding="utf-8") == new
+    report = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    for key in (*report, *report["steps"][0]):
+        assert f"`{key}`" in page
+    made, same = (pymeshlab.MeshSet(verbose=False) for _ in range(2))
+    made.load_new_mesh(str(tmp_path / "web.ply"))
+    same.load_new_mesh(str(tmp_path / "same.ply"))
+    assert made.current_mesh().face_number() == 2000
+    assert np.array_equal(made.current_mesh().vertex_matrix(), same.current_mesh().vertex_matrix())
 
 
 def test_no_placeholder_is_left():
