@@ -93,8 +93,12 @@ def load(path: str | Path, mesh_set: Any = None) -> Any:
             f"{path}: {announced - loaded} of {announced} points have coordinates that are "
             "not numbers; MeshLab left them out"
         )
-    for identifier in new:
-        after_loading(mesh_set, identifier, path)
+    try:
+        for identifier in new:
+            after_loading(mesh_set, identifier, path)
+    except OSError as error:
+        message = f"{error.filename or path} cannot be read: {reason(error)}; check its path"
+        raise FileError(message) from error
     return mesh_set
 
 

@@ -17,6 +17,7 @@ from meshlab_symrecon.host.translation import translated
 
 __all__ = ["after_loading"]
 
+WORDS_OF_AN_EDGE = 3  # l, and two points
 STAND_IN = "dummy.png"  # MeshLab's name for the image that it takes for one it cannot find
 UNREAD = (".x3d", ".wrl")  # formats of whose textures MeshLab reads the coordinates only
 LIBRARY = re.compile(rb"(?m)^[ \t]*mtllib[ \t]+(.+?)[ \t\r]*$")
@@ -32,7 +33,7 @@ def after_loading(mesh_set: Any, identifier: int, path: Path) -> None:
     Warns
     -----
     SymReconWarning
-        The image of a texture is missing, or something of a PLY file cannot be kept.
+        The image of a texture is missing, or MeshLab leaves out something of the file.
     """
     extension = path.suffix.removeprefix(".").lower()
     mesh = mesh_set.mesh(identifier)
@@ -49,11 +50,9 @@ def after_loading(mesh_set: Any, identifier: int, path: Path) -> None:
         attributes = add_unread_properties(mesh_set, identifier, path)
     if extension == "dae" and mesh.face_number() == 0:
         _clear_normals(mesh_set, identifier)
-    libraries = _libraries(path) if extension == "obj" else ()
+    libraries = _libraries(mesh, path) if extension == "obj" else ()
     named = _named_images(path, extension, libraries)
     textures, missing = _found(path, mesh_set.mesh(identifier).textures(), named)
-    if extension == "obj" and mesh.face_number() == 0 and _names_normals(path):
-        warn_user(f"{path}: MeshLab does not read normals of points without faces; write .ply")
     files = (path, *libraries, *(path.parent / name for name in named), *textures.values())
     source = Source(files, textures, missing, frozenset(held), attributes)
     remember(mesh_set, identifier, source)
@@ -66,21 +65,26 @@ def _clear_normals(mesh_set: Any, identifier: int) -> None:
         mesh_set.compute_normal_by_function_per_vertex(x="0", y="0", z="0")
 
 
-def _libraries(path: Path) -> tuple[Path, ...]:
-    """Return the files of materials that an OBJ file names."""
+def _libraries(mesh: Any, path: Path) -> tuple[Path, ...]:
+    """Return the files of materials that an OBJ file names; warn of what MeshLab leaves out."""
     found = []
+    normals = longer = 0
     with path.open("rb") as file:
         for line in file:
-            match = LIBRARY.match(line) if b"mtllib" in line else None
-            if match:
+            beginning = line[:7].lstrip()
+            if beginning.startswith(b"vn "):
+                normals += 1
+            elif beginning.startswith(b"l "):
+                longer += len(line.split()) > WORDS_OF_AN_EDGE
+            elif match := LIBRARY.match(line):
                 name = match[1].decode("utf-8", "replace").replace("\\", "/")
                 found.append(path.parent / name)
-    return tuple(file for file in found if file.is_file())
-
-
-def _names_normals(path: Path) -> bool:
-    with path.open("rb") as file:
-        return any(line.startswith(b"vn ") for line in file)
+    if normals and mesh.face_number() == 0:
+        warn_user(f"{path}: MeshLab does not read normals of points without faces; write .ply")
+    if longer:
+        words = f"{path}: of {longer} lines along more than two points MeshLab reads"
+        warn_user(f"{words} the first edge only; write a line an edge")
+    return tuple(file for file in found if "\0" not in file.name and file.is_file())
 
 
 def _named_images(path: Path, extension: str, libraries: tuple[Path, ...]) -> dict[str, bool]:
@@ -107,7 +111,7 @@ def _names(pattern: re.Pattern[bytes], content: bytes) -> Iterator[str]:
     for match in pattern.finditer(content):
         words = match[1].decode("utf-8", "replace").replace("\\", "/")
         name = OPTION.sub("", words).strip().strip('"')
-        if name:
+        if name and "\0" not in name:
             yield name
 
 

@@ -148,6 +148,37 @@ def test_a_changed_image_is_written_from_memory(tmp_path):
     assert np.abs(colours[:, :3] - [1.0, 0.0, 0.0]).max() < 0.02
 
 
+def test_an_image_that_is_gone_since_is_written_from_memory(tmp_path):
+    source = textured(tmp_path / "in", "a.png")
+    mesh_set = load(source)
+    (tmp_path / "in" / "a.png").unlink()
+    save_current(mesh_set, tmp_path / "new.obj")
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_image_that_cannot_be_written_is_told_and_the_mesh_is_written(tmp_path, monkeypatch):
+    mesh_set = load(textured(tmp_path / "in", "a.png"))
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("meshlab_symrecon.host.textures._make", full)
+    with pytest.warns(SymReconWarning, match="the texture a.png was left out: .*No space left"):
+        save_current(mesh_set, tmp_path / "new.obj")
+    assert {path.name for path in tmp_path.glob("*.*")} == {"new.obj", "new.obj.mtl"}
+
+
+def test_materials_without_permission(tmp_path, monkeypatch):
+    source = textured(tmp_path, "a.png")
+
+    def refused(*_):
+        raise PermissionError(13, "Permission denied", str(tmp_path / "in.mtl"))
+
+    monkeypatch.setattr("meshlab_symrecon.host.importing._named_images", refused)
+    with pytest.raises(FileError, match=r"in\.mtl cannot be read: Permission denied"):
+        load(source)
+
+
 def test_of_a_missing_image_the_name_is_kept_and_nothing_invented(tmp_path):
     source = textured(tmp_path, "paint/a.png")
     (tmp_path / "paint" / "a.png").unlink()
