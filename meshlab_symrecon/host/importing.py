@@ -9,10 +9,12 @@ from typing import Any
 
 from meshlab_symrecon.host.formats import COLOURS, FACE_COLOURS, QUALITY
 from meshlab_symrecon.host.image_names import IMAGES
+from meshlab_symrecon.host.material_names import MAP, image_name, libraries_of
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.ply_header import read_header
 from meshlab_symrecon.host.ply_properties import add_unread_properties
 from meshlab_symrecon.host.sources import Source, remember
+from meshlab_symrecon.host.textures import plain_texture_name
 from meshlab_symrecon.host.translation import translated
 
 __all__ = ["after_loading"]
@@ -20,11 +22,8 @@ __all__ = ["after_loading"]
 WORDS_OF_AN_EDGE = 3  # l, and two points
 STAND_IN = "dummy.png"  # MeshLab's name for the image that it takes for one it cannot find
 UNREAD = (".x3d", ".wrl")  # formats of whose textures MeshLab reads the coordinates only
-LIBRARY = re.compile(rb"(?m)^[ \t]*mtllib[ \t]+(.+?)[ \t\r]*$")
-MAP = re.compile(rb"(?mi)^[ \t]*map_Kd[ \t]+(.+?)[ \t\r]*$")
-OTHER_MAPS = re.compile(rb"(?mi)^[ \t]*(?:map_\w+|bump|disp|norm|refl)[ \t]+(.+?)[ \t\r]*$")
-IN_PLY = re.compile(rb"(?m)^comment TextureFile[ \t]+(.+?)[ \t\r]*$")
-OPTION = re.compile(r"-(?:[ost](?:\s+[-+.\de]+){1,3}|mm(?:\s+[-+.\de]+){2}|\w+\s+\S+)\s+")
+OTHER_MAPS = re.compile(rb"(?mi)^([ \t]*(?:map_\w+|bump|disp|norm|refl)[ \t]+)(.+?)[ \t\r]*$")
+IN_PLY = re.compile(rb"(?m)^(comment TextureFile[ \t]+)(.+?)[ \t\r]*$")
 
 
 def after_loading(mesh_set: Any, identifier: int, path: Path) -> None:
@@ -67,7 +66,6 @@ def _clear_normals(mesh_set: Any, identifier: int) -> None:
 
 def _libraries(mesh: Any, path: Path) -> tuple[Path, ...]:
     """Return the files of materials that an OBJ file names; warn of what MeshLab leaves out."""
-    found = []
     normals = longer = 0
     with path.open("rb") as file:
         for line in file:
@@ -76,15 +74,12 @@ def _libraries(mesh: Any, path: Path) -> tuple[Path, ...]:
                 normals += 1
             elif beginning.startswith(b"l "):
                 longer += len(line.split()) > WORDS_OF_AN_EDGE
-            elif match := LIBRARY.match(line):
-                name = match[1].decode("utf-8", "replace").replace("\\", "/")
-                found.append(path.parent / name)
     if normals and mesh.face_number() == 0:
         warn_user(f"{path}: MeshLab does not read normals of points without faces; write .ply")
     if longer:
         words = f"{path}: of {longer} lines along more than two points MeshLab reads"
         warn_user(f"{words} the first edge only; write a line an edge")
-    return tuple(file for file in found if "\0" not in file.name and file.is_file())
+    return tuple(libraries_of(path).values())
 
 
 def _named_images(path: Path, extension: str, libraries: tuple[Path, ...]) -> dict[str, bool]:
@@ -108,11 +103,9 @@ def _named_images(path: Path, extension: str, libraries: tuple[Path, ...]) -> di
 
 
 def _names(pattern: re.Pattern[bytes], content: bytes) -> Iterator[str]:
-    for match in pattern.finditer(content):
-        words = match[1].decode("utf-8", "replace").replace("\\", "/")
-        name = OPTION.sub("", words).strip().strip('"')
-        if name and "\0" not in name:
-            yield name
+    """Return the names of images in a file of materials or a header."""
+    named = (image_name(match[2]) for match in pattern.finditer(content))
+    return (name for name in named if name)
 
 
 def _found(
@@ -120,18 +113,24 @@ def _found(
 ) -> tuple[dict[str, Path], dict[str, str]]:
     """Return the image files of a layer's textures, and what MeshLab put a stand-in for."""
     by_name = {name: path.parent / name for name in named}
+    by_plain = {plain_texture_name(name): file for name, file in by_name.items()}
     by_end = {file.name: file for file in by_name.values()}
     textures = {}
     for name in in_mesh:
-        file = by_name.get(name) or by_end.get(Path(name).name) or path.parent / name
+        file = (
+            by_name.get(name)
+            or by_plain.get(name)
+            or by_end.get(Path(name).name)
+            or path.parent / name
+        )
         if file.is_file():
             textures[name] = file
     if named and not in_mesh and path.suffix.lower() in UNREAD:
         warn_user(f"{path}: MeshLab does not read textures ({', '.join(named)}) of such files")
     if STAND_IN not in in_mesh or STAND_IN in textures:
         return textures, {}
-    ends = {Path(name).name for name in textures}
-    unread = [name for name, used in named.items() if used and Path(name).name not in ends]
+    found = set(textures.values())
+    unread = [name for name, used in named.items() if used and by_name[name] not in found]
     if not unread:
         return textures, {}
     file = by_name[unread[0]]
