@@ -17,18 +17,11 @@ import meshlab_symrecon
 from meshlab_symrecon.errors import SymReconWarning
 from meshlab_symrecon.geometry.surfaces import topology
 from meshlab_symrecon.host.script import run_script
-from meshlab_symrecon.host.steps import registry, run_filter
-from meshlab_symrecon.plugin.documentation import filters_page
+from meshlab_symrecon.host.steps import run_filter
 
 ROOT = Path(__file__).parents[1]
 README = ROOT.joinpath("README.md").read_text(encoding="utf-8")
 DETECTION = ROOT.joinpath("docs/detection.md").read_text(encoding="utf-8")
-
-
-def test_the_filters_page_is_up_to_date():
-    ours = [item for item in registry() if item.run.__module__.startswith("meshlab_symrecon.")]
-    page = ROOT.joinpath("docs/filters.md").read_text(encoding="utf-8")
-    assert page == filters_page(ours), "run 'make docs'"
 
 
 def test_every_document_names_this_version():
