@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from meshlab_symrecon.errors import SymReconWarning
 
 if TYPE_CHECKING:
+    from meshlab_symrecon.host.filter_script import FilterScript
     from meshlab_symrecon.host.registration import (
         apply_filter,
         filter_list,
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "FilterScript",
     "SymReconWarning",
     "__version__",
     "apply_filter",
@@ -33,20 +35,42 @@ __all__ = [
     "unload_plugins",
 ]
 
-_OF_THE_HOST = ("apply_filter", "filter_list", "load_plugins", "unload_plugins")
+_OF_THE_HOST = {
+    "FilterScript": "filter_script",
+    "apply_filter": "registration",
+    "filter_list": "registration",
+    "load_plugins": "registration",
+    "unload_plugins": "registration",
+}
 
 
 def __getattr__(name: str) -> Any:
     """Import what talks to pymeshlab when it is first asked for."""
     if name not in _OF_THE_HOST:
         raise AttributeError(f"module 'meshlab_symrecon' has no attribute {name!r}")
-    return getattr(import_module("meshlab_symrecon.host.registration"), name)
+    return getattr(import_module(f"meshlab_symrecon.host.{_OF_THE_HOST[name]}"), name)
 
 
 def apply_filter_script(
-    mesh_set: Any, path: str | PathLike[str], *, progress: Progress | None = None
+    mesh_set: Any,
+    path: str | PathLike[str],
+    *,
+    strict: bool = False,
+    lenient: bool = False,
+    progress: Progress | None = None,
 ) -> Any:
     """Check a filter script, then run it on a MeshSet; return the report of its steps.
+
+    Parameters
+    ----------
+    mesh_set : pymeshlab.MeshSet
+    path : path-like
+    strict : bool
+        Refuse a script of which anything would be mapped or ignored.
+    lenient : bool
+        Pass over steps that cannot run, and report each.
+    progress : callable, optional
+        Called with a fraction 0..1 and a message.
 
     Raises
     ------
@@ -54,5 +78,5 @@ def apply_filter_script(
         The script cannot be read, or a step cannot run; nothing has run then.
     """
     return import_module("meshlab_symrecon.host.script").run_script(
-        mesh_set, path, progress=progress
+        mesh_set, path, strict=strict, lenient=lenient, progress=progress
     )

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from meshlab_symrecon.errors import ParameterError, ScriptError, SymReconError, UnknownFilterError
+from meshlab_symrecon.errors import ParameterError, UnknownFilterError
+from meshlab_symrecon.host.findings import IGNORE, NOTE, Finding, Findings, check_findings
 from meshlab_symrecon.host.guards import check_display
 from meshlab_symrecon.host.mlx import Param, Script, Step
 from meshlab_symrecon.host.native_filters import (
@@ -30,7 +30,7 @@ from meshlab_symrecon.host.steps import find_filter, registry
 from meshlab_symrecon.plugin import Filter
 from meshlab_symrecon.plugin.parameters import Kind, nearest_names
 
-__all__ = ["ResolvedStep", "find_any", "resolve_script"]
+__all__ = ["Matching", "ResolvedStep", "find_any", "matched", "resolve_script"]
 
 CAMERA, LAYER, INPUT_FILE = "RichShotf", "RichMesh", "RichOpenFile"
 WHOLE = ("RichInt", "RichMesh", "RichEnum")
@@ -51,7 +51,7 @@ class ResolvedStep:
         By Python names.
     layers : tuple of str
         Which of the values are positions of layers, to be mapped when the step runs.
-    notes : tuple of str
+    notes : tuple of Finding
         What was mapped or ignored, and why.
     """
 
@@ -59,7 +59,7 @@ class ResolvedStep:
     filter: Filter | NativeFilter | str
     values: Mapping[str, Any] = field(default_factory=dict)
     layers: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
+    notes: tuple[Finding, ...] = ()
 
     @property
     def python_name(self) -> str:
@@ -67,39 +67,56 @@ class ResolvedStep:
         return self.filter if isinstance(self.filter, str) else self.filter.python_name
 
 
-class _Findings:
-    """Everything that is wrong with a script."""
+@dataclass(frozen=True, slots=True)
+class Matching:
+    """A script beside the filters that are there today.
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.lines: list[str] = []
+    Attributes
+    ----------
+    steps : tuple of ResolvedStep or None
+        In the order of the script; None where a step cannot run. Parameters with a mistake are
+        left out of ``values``.
+    findings : tuple of Finding
+        Mistakes and notes, in the order of the lines.
+    """
 
-    @contextmanager
-    def at(self, line: int) -> Iterator[None]:
-        """Collect an error of the block as a finding."""
-        try:
-            yield
-        except SymReconError as error:
-            self.lines.append(f"{self.path}:{line}: {error}")
+    steps: tuple[ResolvedStep | None, ...]
+    findings: tuple[Finding, ...]
+
+
+def matched(script: Script) -> Matching:
+    """Match every step and parameter of a script with what is there today.
+
+    Mistakes are unknown filters or parameters, values of the wrong type, files that are not there,
+    filters that need a window.
+    """
+    findings = Findings(script.path)
+    steps: list[ResolvedStep | None] = []
+    for number, step in enumerate(script.steps):
+        findings.step = number
+        steps.append(None)
+        with findings.at(step.line):
+            steps[-1] = _with_notes(_resolved(step, findings), findings)
+    return Matching(tuple(steps), tuple(findings.found))
+
+
+def _with_notes(resolved: ResolvedStep, findings: Findings) -> ResolvedStep:
+    of_step = (finding for finding in findings.found if finding.step == findings.step)
+    notes = tuple(finding for finding in of_step if finding.severity == NOTE)
+    return replace(resolved, notes=notes)
 
 
 def resolve_script(script: Script) -> tuple[ResolvedStep, ...]:
-    """Match every step and parameter of a script with what is there today.
+    """Match a script that has no mistakes.
 
     Raises
     ------
     ScriptError
-        Unknown filters or parameters, values of the wrong type, files that are not there, filters
-        that need a window: all of them, one a line, each with ``file:line:``.
+        All mistakes, one a line, each with ``file:line:``.
     """
-    findings = _Findings(script.path)
-    resolved = []
-    for step in script.steps:
-        with findings.at(step.line):
-            resolved.append(_resolved(step, findings))
-    if findings.lines:
-        raise ScriptError("\n".join(findings.lines))
-    return tuple(resolved)
+    matching = matched(script)
+    check_findings(matching.findings)
+    return tuple(step for step in matching.steps if step is not None)
 
 
 def find_any(name: str) -> Filter | NativeFilter:
@@ -126,11 +143,12 @@ def find_any(name: str) -> Filter | NativeFilter:
         raise UnknownFilterError(f"no filter is called '{name}'{hint}") from error
 
 
-def _resolved(step: Step, findings: _Findings) -> ResolvedStep:
+def _resolved(step: Step, findings: Findings) -> ResolvedStep:
     known = step.name in registry() or is_native(step.name)
     old = None if known else find_old_name(step.name)
     if old is not None and old.filter == NOTHING:
-        return ResolvedStep(step, NOTHING, notes=("MeshLab does this by itself today",))
+        findings.note(step.line, "MeshLab does this by itself today")
+        return ResolvedStep(step, NOTHING)
     if old is not None and old.filter == CHANGE_LAYER:
         return _resolved_change(step, findings)
     item = find_any(step.name if old is None else old.filter)
@@ -139,46 +157,48 @@ def _resolved(step: Step, findings: _Findings) -> ResolvedStep:
     return _resolved_native(step, item, old, findings)
 
 
-def _resolved_plugin(step: Step, item: Filter, findings: _Findings) -> ResolvedStep:
+def _resolved_plugin(step: Step, item: Filter, findings: Findings) -> ResolvedStep:
     values: dict[str, Any] = {}
     layers = []
-    before = len(findings.lines)
+    before = findings.errors
     for written in step.parameters:
-        with findings.at(written.line):
+        with findings.at(written.line, IGNORE):
             known = item.find(written.name)
             if written.text is None:
                 raise ParameterError(f"parameter '{written.name}' has no value")
             values[known.name] = known.parse(written.text)
             if known.kind is Kind.LAYER and values[known.name] >= 0:
                 layers.append(known.name)
-    if len(findings.lines) == before:
+    if findings.errors == before:
         item.bind(values)
     return ResolvedStep(step, item, values, tuple(layers))
 
 
 def _resolved_native(
-    step: Step, item: NativeFilter, old: OldName | None, findings: _Findings
+    step: Step, item: NativeFilter, old: OldName | None, findings: Findings
 ) -> ResolvedStep:
     check_display(item)
-    notes = [] if old is None else [f"'{step.name.strip()}' is '{item.menu_name}' today"]
     values: dict[str, Any] = {}
     layers = []
+    if old is not None:
+        findings.note(step.line, f"'{step.name.strip()}' is '{item.menu_name}' today")
     for name, text in ({} if old is None else old.values).items():
         values[name] = parse_native(item.find(name), text)
-        notes.append(f"'{name}' set to {values[name]!r}, which the old name stood for")
+        meaning = f"'{name}' set to {values[name]!r}, which the old name stood for"
+        findings.note(step.line, meaning)
     for written in step.parameters:
-        with findings.at(written.line):
-            parameter = _native_parameter(item, written, old, notes)
+        with findings.at(written.line, IGNORE):
+            parameter = _native_parameter(item, written, old, findings)
             if parameter is None:
                 continue
             values[parameter.name] = _native_value(parameter, written)
             if parameter.rich_type == LAYER:
                 layers.append(parameter.name)
-    return ResolvedStep(step, item, values, tuple(layers), tuple(notes))
+    return ResolvedStep(step, item, values, tuple(layers))
 
 
 def _native_parameter(
-    item: NativeFilter, written: Param, old: OldName | None, notes: list[str]
+    item: NativeFilter, written: Param, old: OldName | None, findings: Findings
 ) -> NativeParameter | None:
     """Return what a written parameter is today; None, and a note, when it is to be ignored."""
     try:
@@ -188,12 +208,14 @@ def _native_parameter(
         if name is None:
             raise
         if not name:
-            notes.append(f"parameter '{written.name}' ignored: it is gone from '{item.menu_name}'")
+            gone = f"parameter '{written.name}' ignored: it is gone from '{item.menu_name}'"
+            findings.note(written.line, gone)
             return None
         parameter = item.find(name)
-        notes.append(f"parameter '{written.name}' is '{name}' today")
+        findings.note(written.line, f"parameter '{written.name}' is '{name}' today")
     if parameter.rich_type == CAMERA:
-        notes.append(f"parameter '{written.name}' ignored: pymeshlab takes no camera from outside")
+        camera = f"parameter '{written.name}' ignored: pymeshlab takes no camera from outside"
+        findings.note(written.line, camera)
         return None
     return parameter
 
@@ -219,8 +241,8 @@ def _native_value(parameter: NativeParameter, written: Param) -> Any:
     return value
 
 
-def _resolved_change(step: Step, findings: _Findings) -> ResolvedStep:
-    notes = ("the current layer changes, by position",)
+def _resolved_change(step: Step, findings: Findings) -> ResolvedStep:
+    findings.note(step.line, "the current layer changes, by position")
     target = NativeParameter("mesh", "mesh", LAYER)
     values = {}
     for written in step.parameters:
@@ -231,4 +253,4 @@ def _resolved_change(step: Step, findings: _Findings) -> ResolvedStep:
             values[target.name] = _native_value(target, written)
     if not step.parameters:
         raise ParameterError(f"'{step.name.strip()}' needs the parameter 'mesh'; got none")
-    return ResolvedStep(step, CHANGE_LAYER, values, (target.name,), notes)
+    return ResolvedStep(step, CHANGE_LAYER, values, (target.name,))

@@ -8,23 +8,26 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from meshlab_symrecon.errors import ParameterError, ScriptError, SymReconError
+from meshlab_symrecon.errors import GeometryError, ParameterError, ScriptError, SymReconError
+from meshlab_symrecon.host.findings import ERROR, Finding, check_findings, place
 from meshlab_symrecon.host.guards import reason_to_skip
 from meshlab_symrecon.host.meshset import current_identifier
-from meshlab_symrecon.host.mlx import read_script
+from meshlab_symrecon.host.mlx import Script, Step, read_script
 from meshlab_symrecon.host.native_filters import apply_native
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, POISSON
-from meshlab_symrecon.host.resolution import ResolvedStep, resolve_script
+from meshlab_symrecon.host.resolution import ResolvedStep, matched
 from meshlab_symrecon.host.steps import run_filter
 from meshlab_symrecon.plugin import Filter, Progress
 from meshlab_symrecon.plugin.filter import silent
 
-__all__ = ["ScriptReport", "StepReport", "run_script"]
+__all__ = ["ScriptReport", "StepReport", "run_script", "run_steps"]
+
+RAN, MAPPED, SKIPPED = "ran", "mapped", "skipped"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +41,12 @@ class StepReport:
     name : str
         As it was written.
     filter : str
-        Python name of the filter it became.
+        Python name of the filter it became; empty when it became none.
     status : str
-        ``ran``, or ``mapped`` when it ran otherwise than it was written.
+        ``ran``; ``mapped`` when it ran otherwise than it was written; ``skipped`` when it did not
+        run, which only a lenient run allows.
     notes : tuple of str
-        What was mapped or ignored and why, and what the filter warned of.
+        What was mapped or ignored and why, why it was skipped, and what the filter warned of.
     seconds : float
     measures : mapping
         What the filter returned.
@@ -68,15 +72,24 @@ class ScriptReport:
 
 
 def run_script(
-    mesh_set: Any, path: str | Path, *, progress: Progress | None = None
+    mesh_set: Any,
+    path: str | Path,
+    *,
+    strict: bool = False,
+    lenient: bool = False,
+    progress: Progress | None = None,
 ) -> ScriptReport:
-    """Check a whole script, then run it step by step.
+    """Read a whole script, check it, then run it step by step.
 
     Parameters
     ----------
     mesh_set : pymeshlab.MeshSet
     path : str or Path
         Numbers of layers in it are positions, counted from 0 when the step runs.
+    strict : bool
+        Refuse a script of which anything would be mapped or ignored.
+    lenient : bool
+        Pass over steps that cannot run and parameters that cannot be used, and report each.
     progress : callable, optional
         Called with a fraction 0..1 of the whole script, and a message.
 
@@ -88,15 +101,29 @@ def run_script(
         It has mistakes, all of which are listed and nothing has run; or a step failed, after which
         the later ones do not run.
     """
+    return run_steps(mesh_set, read_script(path), strict=strict, lenient=lenient, progress=progress)
+
+
+def run_steps(
+    mesh_set: Any,
+    script: Script,
+    *,
+    strict: bool = False,
+    lenient: bool = False,
+    progress: Progress | None = None,
+) -> ScriptReport:
+    """Check a script that has been read, then run it step by step; see ``run_script``."""
     report = progress or silent
     started = time.perf_counter()
-    script = read_script(path)
-    steps = resolve_script(script)
+    matching = matched(script)
+    check_findings(matching.findings, strict=strict, lenient=lenient)
+    runner = _Runner(mesh_set, script, matching.findings, lenient)
     reports = []
-    for number, resolved in enumerate(steps):
-        report(number / len(steps), resolved.step.name.strip())
-        share = _share(report, number, len(steps))
-        reports.append(_run(mesh_set, script.path, resolved, share))
+    pairs = zip(script.steps, matching.steps, strict=True)
+    for number, (step, resolved) in enumerate(pairs):
+        report(number / len(script.steps), step.name.strip())
+        share = _share(report, number, len(script.steps))
+        reports.append(runner.run(number, resolved, share))
     report(1.0, "done")
     return ScriptReport(str(script.path), tuple(reports), time.perf_counter() - started)
 
@@ -105,31 +132,64 @@ def _share(progress: Progress, number: int, count: int) -> Progress:
     return lambda fraction, message: progress((number + fraction) / count, message)
 
 
-def _run(mesh_set: Any, path: Path, resolved: ResolvedStep, progress: Progress) -> StepReport:
-    step = resolved.step
-    notes = [*resolved.notes]
-    started = time.perf_counter()
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
+@dataclass(frozen=True, slots=True)
+class _Runner:
+    """Runs the steps of one script on one document."""
+
+    mesh_set: Any
+    script: Script
+    findings: Sequence[Finding]
+    lenient: bool
+
+    def run(self, number: int, resolved: ResolvedStep | None, progress: Progress) -> StepReport:
+        step = self.script.steps[number]
+        notes = [_in_words(finding, step) for finding in self.findings if finding.step == number]
+        started = time.perf_counter()
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            status, measures = self._attempted(number, resolved, notes, progress)
+        for warning in caught:
+            notes.append(str(warning.message))
+            warnings.warn_explicit(
+                warning.message, warning.category, warning.filename, warning.lineno
+            )
+        name = "" if resolved is None else resolved.python_name
+        seconds = time.perf_counter() - started
+        return StepReport(
+            str(self.script.path), step.line, step.name, name, status, tuple(notes), seconds,
+            measures,
+        )  # fmt: skip
+
+    def _attempted(
+        self, number: int, resolved: ResolvedStep | None, notes: list[str], progress: Progress
+    ) -> tuple[str, Mapping[str, Any]]:
+        """Run a step; return what became of it, and what it measured."""
+        if resolved is None:
+            return SKIPPED, {}
         try:
-            measures = _applied(mesh_set, resolved, notes, progress)
+            measures = _applied(self.mesh_set, resolved, notes, progress)
         except SymReconError as error:
-            raise ScriptError(f"{path}:{step.line}: {_named(resolved, error)}") from error
-    mapped = bool(notes)
-    for warning in caught:
-        notes.append(str(warning.message))
-        warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
-    return StepReport(
-        str(path), step.line, step.name, resolved.python_name, "mapped" if mapped else "ran",
-        tuple(notes), time.perf_counter() - started, measures,
-    )  # fmt: skip
+            words = _named(resolved.step, error)
+            if not self.lenient:
+                where = place(str(self.script.path), resolved.step.line, number)
+                raise ScriptError(f"{where}: {words}") from error
+            notes.append(words)
+            return SKIPPED, {}
+        return MAPPED if notes else RAN, measures
 
 
-def _named(resolved: ResolvedStep, error: SymReconError) -> str:
+def _in_words(finding: Finding, step: Step) -> str:
+    """Return a finding as a note of its step, with the line when it is not the step's own."""
+    words = finding.message
+    if finding.severity == ERROR:
+        words = f"{words}; {'skipped' if finding.remedy == 'skip' else 'ignored'}"
+    return words if finding.line == step.line else f"line {finding.line}: {words}"
+
+
+def _named(step: Step, error: SymReconError) -> str:
     """Return the error's words, with the name of the step unless they have it."""
-    name = resolved.step.name.strip()
     words = str(error)
-    return words if name in words else f"'{name}': {words}"
+    return words if step.name.strip() in words else f"'{step.name.strip()}': {words}"
 
 
 def _applied(
@@ -147,8 +207,8 @@ def _applied(
     name = resolved.filter.python_name
     reason = reason_to_skip(mesh_set, resolved.filter)
     if reason:
-        notes.append(f"nothing was done: {reason}")
-        return {}
+        message = f"{reason}; reconstruct a surface first, or run leniently to pass over the step"
+        raise GeometryError(message)
     before = current_identifier(mesh_set)
     measures = apply_native(mesh_set, name, values)
     if resolved.step.from_xml_plugin and name == POISSON:

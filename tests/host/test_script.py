@@ -235,7 +235,8 @@ def test_a_camera_is_ignored_and_said_so(tmp_path):
     path = written(tmp_path, step("Set Mesh Camera", '<Param type="RichShotf" name="Shot"/>'))
     (resolved,) = resolution.resolve_script(read_script(path))
     assert resolved.values == {}
-    assert resolved.notes == ("parameter 'Shot' ignored: pymeshlab takes no camera from outside",)
+    (note,) = resolved.notes
+    assert note.message == "parameter 'Shot' ignored: pymeshlab takes no camera from outside"
 
 
 def test_attributes_that_are_missing(tmp_path, sphere):
@@ -351,11 +352,39 @@ def test_the_untyped_poisson_of_old_scripts_leaves_the_cloud_current(tmp_path, s
 
 
 def test_a_cloud_is_not_deleted_by_cleaning(tmp_path, cloud_set):
-    path = written(tmp_path, step("Remove Unreferenced Vertices"))
-    (done,) = run_script(cloud_set, path).steps
+    path = written(tmp_path, step("Remove Unreferenced Vertices"), step("Laplacian Smooth"))
+    with pytest.raises(ScriptError, match=r"scan.mlx:2: .*every point would be deleted; recon"):
+        run_script(cloud_set, path)
     assert cloud_set.current_mesh().vertex_number() == 40
-    assert done.status == "mapped"
-    assert "every point would be deleted" in done.notes[0]
+
+
+def test_a_lenient_run_passes_over_what_cannot_run_and_says_so(tmp_path, cloud_set):
+    path = written(
+        tmp_path,
+        step("Remove Unreferenced Vertices"),
+        step("No Such Filter"),
+        step(
+            "Transform: Scale, Normalize",
+            param("axisX", "wide"),
+            param("axisY", "3"),
+            param("uniformFlag", "false", "RichBool"),
+        ),
+    )
+    before = cloud_set.current_mesh().vertex_matrix()
+    deleting, unknown, scaled = run_script(cloud_set, path, lenient=True).steps
+    assert (deleting.status, unknown.status, scaled.status) == ("skipped", "skipped", "mapped")
+    assert "every point would be deleted" in deleting.notes[0]
+    assert unknown.filter == ""
+    assert unknown.notes[0].startswith("no filter is called 'No Such Filter'")
+    assert scaled.notes == ("parameter 'axisx' must be a number; got 'wide'; ignored",)
+    np.testing.assert_allclose(cloud_set.current_mesh().vertex_matrix(), before * [1, 3, 1])
+
+
+def test_a_strict_run_refuses_what_would_be_mapped(tmp_path, sphere):
+    path = written(tmp_path, step("Quadric Edge Collapse Decimation"), step("Laplacian Smooth"))
+    with pytest.raises(ScriptError, match=rf"scan.mlx:2: .* is '{DECIMATION}' today"):
+        run_script(sphere, path, strict=True)
+    assert sphere.current_mesh().face_number() == 320
 
 
 def test_files_that_a_script_reads_are_looked_for_first(tmp_path, monkeypatch, installed, sphere):

@@ -1,0 +1,159 @@
+"""A filter script in Python: read, checked, edited, written, run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from meshlab_symrecon.errors import ScriptError
+from meshlab_symrecon.host.findings import Finding
+from meshlab_symrecon.host.mlx import Script, Step, read_script, write_script
+from meshlab_symrecon.host.resolution import find_any, matched
+from meshlab_symrecon.host.script import ScriptReport, run_steps
+from meshlab_symrecon.host.written_steps import written_step
+from meshlab_symrecon.plugin import Progress
+
+__all__ = ["FilterScript"]
+
+IN_MEMORY = Path("script")  # what messages call a script that was never in a file
+
+
+@dataclass(frozen=True, slots=True)
+class FilterScript:
+    """Steps in their order. It is never changed: each edit returns a new script.
+
+    ``FilterScript()`` is empty; ``len(script)``, ``script[0]`` and ``for step in script`` look at
+    its steps, which have a ``name`` and ``parameters`` as they were written.
+
+    Attributes
+    ----------
+    steps : tuple of Step
+    path : Path
+        The file it was read from, for messages.
+    """
+
+    steps: tuple[Step, ...] = ()
+    path: Path = IN_MEMORY
+
+    @classmethod
+    def read(cls, path: str | Path) -> FilterScript:
+        """Read a script, of any version of MeshLab.
+
+        Raises
+        ------
+        FileError, ScriptError
+            As ``read_script``.
+        """
+        script = read_script(path)
+        return cls(script.steps, script.path)
+
+    def __len__(self) -> int:
+        return len(self.steps)
+
+    def __iter__(self) -> Iterator[Step]:
+        return iter(self.steps)
+
+    def __getitem__(self, position: int) -> Step:
+        return self.steps[self._checked(position)]
+
+    def check(self) -> tuple[Finding, ...]:
+        """Return everything that is wrong with it, and what would be mapped or ignored.
+
+        Nothing is run. ``str`` of a finding is one line with file, line and reason.
+        """
+        return matched(self._script).findings
+
+    def with_step(
+        self, name: str, /, *, at: int | None = None, **parameters: object
+    ) -> FilterScript:
+        """Return a script with one more step.
+
+        Parameters
+        ----------
+        name : str
+            Python name, alias or menu name, of a plugin's filter or one of MeshLab's.
+        at : int, optional
+            Position of the new step; at the end when left out.
+        **parameters
+            By their Python names.
+
+        Raises
+        ------
+        UnknownFilterError, ParameterError
+            No such filter or parameter, or a value of the wrong type.
+        ScriptError
+            There is no such position.
+        """
+        position = len(self.steps) if at is None else at
+        if position != len(self.steps):
+            self._checked(position)
+        step = written_step(find_any(name), parameters)
+        return replace(self, steps=(*self.steps[:position], step, *self.steps[position:]))
+
+    def with_values(self, position: int, /, **parameters: object) -> FilterScript:
+        """Return a script in which one step has other values; its other parameters stay.
+
+        Raises
+        ------
+        UnknownFilterError, ParameterError
+            As ``with_step``.
+        ScriptError
+            There is no such position.
+        """
+        step = self[position]
+        item = find_any(step.name)
+        changed = {item.find(name).name for name in parameters}
+        new = {
+            param.name.lower(): param
+            for param in written_step(item, parameters).parameters
+            if item.find(param.name).name in changed
+        }
+        kept = [new.pop(param.name.strip().lower(), param) for param in step.parameters]
+        steps = list(self.steps)
+        steps[self._checked(position)] = replace(step, parameters=(*kept, *new.values()))
+        return replace(self, steps=tuple(steps))
+
+    def without_step(self, position: int, /) -> FilterScript:
+        """Return a script that lacks one step.
+
+        Raises
+        ------
+        ScriptError
+            There is no such position.
+        """
+        gone = self._checked(position)
+        return replace(self, steps=(*self.steps[:gone], *self.steps[gone + 1 :]))
+
+    def write(self, path: str | Path) -> None:
+        """Write it; whole or not at all.
+
+        Raises
+        ------
+        FileError, ScriptError
+            As ``write_script``.
+        """
+        write_script(self.steps, path)
+
+    def run(
+        self,
+        mesh_set: Any,
+        *,
+        strict: bool = False,
+        lenient: bool = False,
+        progress: Progress | None = None,
+    ) -> ScriptReport:
+        """Check all of it, then run it step by step on a MeshSet; see ``run_script``."""
+        return run_steps(mesh_set, self._script, strict=strict, lenient=lenient, progress=progress)
+
+    @property
+    def _script(self) -> Script:
+        return Script(self.path, self.steps)
+
+    def _checked(self, position: int) -> int:
+        count = len(self.steps)
+        if not -count <= position < count:
+            message = f"the script has {count} steps, counted from 0; got position {position}"
+            raise ScriptError(f"{message}; give one of them")
+        return position % count
