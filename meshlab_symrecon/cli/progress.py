@@ -8,6 +8,8 @@ from contextlib import contextmanager
 
 __all__ = ["progress_bar"]
 
+SHOWN = 60  # characters of a message; its end tells more than its beginning
+
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[Callable[[float, str], None]]:
@@ -27,5 +29,5 @@ def progress_bar(title: str) -> Iterator[Callable[[float, str], None]]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=1.0)
         yield lambda fraction, message: bar.update(
-            task, completed=fraction, description=message.replace("[", r"\[") or title
+            task, completed=fraction, description=message[-SHOWN:].replace("[", r"\[") or title
         )

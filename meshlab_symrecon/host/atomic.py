@@ -11,7 +11,7 @@ from pathlib import Path
 
 from meshlab_symrecon.errors import FileError
 
-__all__ = ["check_target", "reason", "replacing", "same_file"]
+__all__ = ["check_target", "reason", "remove_staging", "replacing", "same_file"]
 
 STAGING_PREFIX = ".symrecon-"
 
@@ -69,7 +69,9 @@ def replacing(path: Path) -> Iterator[Path]:
     target = check_target(path)
     staging: Path | None = None
     try:
-        staging = Path(tempfile.mkdtemp(prefix=STAGING_PREFIX, dir=target.parent))
+        staging = Path(
+            tempfile.mkdtemp(prefix=f"{STAGING_PREFIX}{os.getpid()}-", dir=target.parent)
+        )
         yield staging / path.name
         _put_in_place(staging, path.name, target)
     except FileError:
@@ -80,6 +82,12 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
+
+
+def remove_staging(folder: Path, process: int) -> None:
+    """Remove what another process of ours, ended by a crash, left half-written in a folder."""
+    for staging in folder.glob(f"{STAGING_PREFIX}{process}-*"):
+        shutil.rmtree(staging, ignore_errors=True)
 
 
 def _put_in_place(staging: Path, name: str, target: Path) -> None:

@@ -25,7 +25,7 @@ from meshlab_symrecon.host.steps import run_filter
 from meshlab_symrecon.plugin import Filter, Progress
 from meshlab_symrecon.plugin.filter import silent
 
-__all__ = ["ScriptReport", "StepReport", "run_script", "run_steps"]
+__all__ = ["ScriptReport", "StepReport", "checked_script", "run_script", "run_steps"]
 
 RAN, MAPPED, SKIPPED = "ran", "mapped", "skipped"
 
@@ -104,6 +104,19 @@ def run_script(
     return run_steps(mesh_set, read_script(path), strict=strict, lenient=lenient, progress=progress)
 
 
+def checked_script(path: str | Path, *, strict: bool = False, lenient: bool = False) -> Script:
+    """Read a script and check all that can be checked without a document.
+
+    Raises
+    ------
+    FileError, ScriptError
+        As ``run_script``.
+    """
+    script = read_script(path)
+    check_findings(matched(script).findings, strict=strict, lenient=lenient)
+    return script
+
+
 def run_steps(
     mesh_set: Any,
     script: Script,
@@ -121,15 +134,21 @@ def run_steps(
     reports = []
     pairs = zip(script.steps, matching.steps, strict=True)
     for number, (step, resolved) in enumerate(pairs):
-        report(number / len(script.steps), step.name.strip())
-        share = _share(report, number, len(script.steps))
+        name = f"{place(str(script.path), step.line, number)}: '{step.name.strip()}'"
+        share = _share(report, number, len(script.steps), name)
+        share(0.0, "")
         reports.append(runner.run(number, resolved, share))
     report(1.0, "done")
     return ScriptReport(str(script.path), tuple(reports), time.perf_counter() - started)
 
 
-def _share(progress: Progress, number: int, count: int) -> Progress:
-    return lambda fraction, message: progress((number + fraction) / count, message)
+def _share(progress: Progress, number: int, count: int, name: str) -> Progress:
+    """Return the progress of one step as a part of the whole, under the step's name."""
+
+    def share(fraction: float, message: str) -> None:
+        progress((number + fraction) / count, f"{name}, {message}" if message else name)
+
+    return share
 
 
 @dataclass(frozen=True, slots=True)

@@ -424,8 +424,8 @@ def test_progress_goes_from_0_to_1(tmp_path, installed, sphere):
     path = written(tmp_path, step("Grow Points"), step("Close Holes"))
     run_script(sphere, path, progress=lambda fraction, message: told.append((fraction, message)))
     assert [fraction for fraction, _ in told] == sorted(fraction for fraction, _ in told)
-    assert told[0] == (0.0, "Grow Points")
-    assert (0.5, "grown") in told
+    assert told[0] == (0.0, f"{path}:2: 'Grow Points'")
+    assert (0.5, f"{path}:2: 'Grow Points', grown") in told
     assert told[-1][0] == 1.0
 
 

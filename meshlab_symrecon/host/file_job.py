@@ -1,0 +1,79 @@
+"""A script on files, from reading them to writing the result."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from meshlab_symrecon.host.files import WRITABLE, check_output, load, new_document, save_current
+from meshlab_symrecon.host.isolation import isolated
+from meshlab_symrecon.host.projects import PROJECT, save_project
+from meshlab_symrecon.host.script import ScriptReport, checked_script, run_script
+from meshlab_symrecon.plugin import Progress
+
+__all__ = ["run_on_files"]
+
+
+def run_on_files(
+    script: Path,
+    inputs: Sequence[Path],
+    output: Path,
+    *,
+    strict: bool,
+    lenient: bool,
+    isolate: bool,
+    progress: Progress,
+) -> ScriptReport:
+    """Run a script on files, and save the current layer, or all layers as a project.
+
+    Parameters
+    ----------
+    script : Path
+    inputs : sequence of Path
+        They become layers in this order; the last one is the current one.
+    output : Path
+        With the extension ``.mlp``, every layer is saved beside the project.
+    strict, lenient : bool
+        As ``run_script``.
+    isolate : bool
+        Work in a child process, whose crash is an error.
+    progress : callable
+
+    Raises
+    ------
+    FileError
+        A file cannot be read or written.
+    ScriptError
+        As ``run_script``; nothing was written.
+    HostError
+        A step crashed in the child process; nothing was written.
+    """
+    check_output(output, [script, *inputs], (*WRITABLE, PROJECT))
+    checked_script(script, strict=strict, lenient=lenient)  # before reading inputs, which is long
+    job = (script, tuple(inputs), output, strict, lenient)
+    if not isolate:
+        return _done(*job, progress=progress)
+    report: ScriptReport = isolated(_done, *job, progress=progress, folders=[output.parent])
+    return report
+
+
+def _done(
+    script: Path,
+    inputs: Sequence[Path],
+    output: Path,
+    strict: bool,
+    lenient: bool,
+    *,
+    progress: Progress,
+) -> ScriptReport:
+    mesh_set = new_document()
+    for path in inputs:
+        progress(0.0, f"reading {path}")
+        load(path, mesh_set)
+    report = run_script(mesh_set, script, strict=strict, lenient=lenient, progress=progress)
+    progress(1.0, f"writing {output}")
+    if output.suffix.lower() == f".{PROJECT}":
+        save_project(mesh_set, output, [script, *inputs])
+    else:
+        save_current(mesh_set, output)
+    return report

@@ -1,0 +1,116 @@
+"""Work in a child process: what comes back, and what a crash becomes."""
+
+from __future__ import annotations
+
+import shutil
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pymeshlab
+import pytest
+
+from meshlab_symrecon.errors import FileError, HostError, ScriptError, SymReconWarning
+from meshlab_symrecon.host.atomic import remove_staging, replacing
+from meshlab_symrecon.host.file_job import run_on_files
+from meshlab_symrecon.plugin.filter import silent
+
+PLUGIN = Path(__file__).parents[1] / "foreign_plugin" / "crashing_filter.py"
+CRASH = '<filter name="Crash Here"/>'
+HALVE = (
+    '<filter name="Transform: Scale, Normalize">'
+    '<Param type="RichFloat" name="axisX" value="0.5"/></filter>'
+)
+MEASURE = '<filter name="Compute Geometric Measures"/>'
+HOW = {"strict": False, "lenient": False, "isolate": True, "progress": silent}
+
+
+@pytest.fixture
+def crashing_plugin(tmp_path, monkeypatch):
+    """Install a package whose filter ends the process, for this process and its children."""
+    folder = tmp_path / "site"
+    information = folder / "crashing-1.0.dist-info"
+    information.mkdir(parents=True)
+    shutil.copy(PLUGIN, folder)
+    (information / "METADATA").write_text("Metadata-Version: 2.1\nName: crashing\nVersion: 1.0\n")
+    (information / "entry_points.txt").write_text(
+        "[meshlab_symrecon.filters]\ncrash = crashing_filter:FILTER\n"
+    )
+    monkeypatch.syspath_prepend(folder)
+    monkeypatch.setenv("PYTHONPATH", str(folder))
+    from meshlab_symrecon.host.registration import registry
+
+    registry(refresh=True)
+    yield
+    monkeypatch.undo()
+    registry(refresh=True)
+
+
+@pytest.fixture
+def sphere(tmp_path):
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_sphere(subdiv=2)
+    mesh_set.save_current_mesh(str(tmp_path / "sphere.ply"))
+    return tmp_path / "sphere.ply"
+
+
+def script_of(tmp_path, *steps):
+    path = tmp_path / "scan.mlx"
+    path.write_text("<FilterScript>\n" + "\n".join(steps) + "\n</FilterScript>\n")
+    return path
+
+
+def test_a_child_gives_the_same_bytes_and_the_same_report(tmp_path, sphere):
+    script = script_of(tmp_path, HALVE, MEASURE)
+    told = []
+    here, there = tmp_path / "here.ply", tmp_path / "there.ply"
+    near = run_on_files(script, [sphere], here, **HOW | {"isolate": False})
+    far = run_on_files(
+        script, [sphere], there, **HOW | {"progress": lambda *what: told.append(what)}
+    )
+    assert here.read_bytes() == there.read_bytes()
+    assert [step.filter for step in far.steps] == [step.filter for step in near.steps]
+    expected, got = near.steps[1].measures, far.steps[1].measures
+    assert set(expected) == set(got)
+    assert got["surface_area"] == expected["surface_area"]
+    np.testing.assert_array_equal(got["inertia_tensor"], expected["inertia_tensor"])
+    np.testing.assert_array_equal(got["bbox"].max(), expected["bbox"].max())
+    assert got["bbox"].diagonal() == pytest.approx(expected["bbox"].diagonal(), rel=1e-15)
+    assert (0.5, f"{script}:3: 'Compute Geometric Measures'") in told
+
+
+def test_a_crash_is_an_error_that_names_the_step(tmp_path, sphere, crashing_plugin):
+    script = script_of(tmp_path, HALVE, CRASH, HALVE)
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(HostError) as caught:
+        run_on_files(script, [sphere], tmp_path / "out.ply", **HOW)
+    message = str(caught.value)
+    assert message.startswith(f"{script}:3: 'Crash Here'")
+    assert "ended the process by SIGSEGV; nothing was written" in message
+    assert sorted(path for path in tmp_path.rglob("*") if "__pycache__" not in path.parts) == before
+
+
+def test_errors_and_warnings_of_the_child_are_ours(tmp_path, sphere):
+    script = script_of(tmp_path, HALVE)
+    with pytest.raises(FileError, match="no such file"):
+        run_on_files(script, [tmp_path / "none.ply"], tmp_path / "out.ply", **HOW)
+    with pytest.raises(ScriptError, match=r"scan.mlx:2: .*Crash Here"):
+        run_on_files(script_of(tmp_path, CRASH), [sphere], tmp_path / "out.ply", **HOW)
+    assert not (tmp_path / "out.ply").exists()
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        run_on_files(script_of(tmp_path, HALVE), [sphere], tmp_path / "out.xyz", **HOW)
+    assert [one.category for one in caught] == [SymReconWarning]
+    assert "holds points only" in str(caught[0].message)
+
+
+def test_only_what_the_crashed_process_staged_is_removed(tmp_path):
+    other, mine = tmp_path / ".symrecon-99-x", tmp_path / ".symrecon-9-y"
+    other.mkdir()
+    mine.mkdir()
+    (mine / "half.ply").write_text("ply")
+    remove_staging(tmp_path, 9)
+    assert sorted(tmp_path.iterdir()) == [other]
+    with replacing(tmp_path / "out.txt") as staged:
+        staged.write_text("whole")
+    assert (tmp_path / "out.txt").read_text() == "whole"
