@@ -15,6 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
+import numpy as np
+import pymeshlab
+
 from meshlab_symrecon.host.mlx import Param, Script, Step, step_of
 from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.written_steps import written_step
@@ -24,7 +27,17 @@ from meshlab_symrecon.plugin.parameters import Kind
 if TYPE_CHECKING:
     from meshlab_symrecon.host.history import Step as NativeStep
 
-__all__ = ["Note", "Notes", "drop_last", "exact_script", "note", "note_of", "notes_of", "replace"]
+__all__ = [
+    "Note",
+    "Notes",
+    "drop_last",
+    "exact_script",
+    "in_full",
+    "note",
+    "note_of",
+    "notes_of",
+    "replace",
+]
 
 RECORDED = Path("filter history")  # what messages call steps that were never in a file
 LAYER = "RichMesh"
@@ -94,6 +107,28 @@ def note_of(mesh_set: Any, item: Filter | NativeFilter, values: Mapping[str, Any
     if isinstance(item, Filter):
         return Note(step_of(item, values), step_of(item, placed))
     return Note(written_step(item, values), written_step(item, placed))
+
+
+def in_full(used: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of a native step as they are best written down.
+
+    MeshLab keeps most numbers in single precision, so that .1 comes back from it as
+    .10000000149011612. What was given is kept as it was; of defaults, the shortest number is taken
+    that MeshLab makes the same of. A percentage is given as the length that it came to.
+    """
+    return {
+        name: _shortest(value)
+        if name not in given or isinstance(given[name], pymeshlab.PercentageValue)
+        else given[name]
+        for name, value in used.items()
+    }
+
+
+def _shortest(value: Any) -> Any:
+    if not isinstance(value, float):
+        return value
+    single = np.float32(value)
+    return float(str(single)) if float(single) == value else value
 
 
 def exact_script(mesh_set: Any, shown: Sequence[NativeStep]) -> Script:

@@ -151,8 +151,8 @@ def _note_of_native(mesh_set: Any, name: str, parameters: dict[str, object]) -> 
     if item is None or item.probed or ("empty" in item.fatal and mesh_set.mesh_number() == 0):
         return None
     try:
-        values = _native_parameter_values(mesh_set, name, **parameters)
-        return exact_steps.note_of(mesh_set, item, values)
+        used = _native_parameter_values(mesh_set, name, **parameters)
+        return exact_steps.note_of(mesh_set, item, exact_steps.in_full(used, parameters))
     except Exception:  # noqa: BLE001  pymeshlab raises five unrelated kinds
         return None
 
