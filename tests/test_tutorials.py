@@ -128,7 +128,9 @@ def test_there_are_tutorials():
 
 def test_the_filter_of_ones_own_is_short():
     code = ROOT.joinpath("examples/own_filter/scan_base.py").read_text(encoding="utf-8")
-    lines = [line for line in code.splitlines() if line.strip() and not line.lstrip().startswith('"""')]
+    lines = [
+        line for line in code.splitlines() if line.strip() and not line.lstrip().startswith('"""')
+    ]
     assert len(lines) <= 30
 
 

@@ -15,7 +15,7 @@ from meshlab_symrecon.host.findings import check_findings
 from meshlab_symrecon.host.mlx import Param, Script, Step, read_script, step_of, write_script
 from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.notices import warn_user
-from meshlab_symrecon.host.old_names import NOTHING, POISSON
+from meshlab_symrecon.host.old_names import NOTHING
 from meshlab_symrecon.host.resolution import ResolvedStep, matched, resolve_script
 from meshlab_symrecon.host.script import ScriptReport, run_steps
 from meshlab_symrecon.host.written_steps import written_step
@@ -111,8 +111,6 @@ def todays_steps(script: Script) -> tuple[Step, ...]:
         if resolved.filter == NOTHING:
             warn_user(f"{where} was left out: MeshLab does this by itself today")
             continue
-        if resolved.step.from_xml_plugin and resolved.python_name == POISSON:
-            warn_user(f"{where} leaves the surface current today, where it left the cloud")
         step = _today(resolved)
         for param in step.parameters:
             if param.rich_type == LENGTH and (param.text or "").endswith("%"):
