@@ -190,3 +190,24 @@ def test_missing_script_and_overwritten_script(run, statue, tmp_path):
     result = run("run", script, statue, "-o", tmp_path / "a.ply", "--json", script)
     assert result.exit_code == 1
     assert script.read_text() == "<FilterScript/>"
+
+
+@pytest.mark.parametrize("isolated", [[], ["--isolate"]])
+def test_everything_that_a_step_measures_is_in_the_report(run, lopsided, tmp_path, isolated):
+    (tmp_path / "s.mlx").write_text(
+        '<FilterScript><filter name="Convex Hull"/><xmlfilter name="Compute Geometric Measures"/>'
+        "</FilterScript>"
+    )
+    result = run(
+        "run", tmp_path / "s.mlx", lopsided, "-o", tmp_path / "a.ply",
+        "--json", tmp_path / "r.json", *isolated,
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    measures = report["steps"][1]["measures"]
+    points = read_layer(load(lopsided), 0).points
+    np.testing.assert_allclose(measures["bbox"]["min"], points.min(axis=0))
+    np.testing.assert_allclose(measures["bbox"]["max"], points.max(axis=0))
+    assert measures["mesh_volume"] > 0
+    assert np.shape(measures["inertia_tensor"]) == (3, 3)
+    assert "mesh_volume:" in result.stdout

@@ -490,3 +490,12 @@ def test_any_filter_is_found_by_any_name(installed):
     assert find_any("close holes").python_name == "meshing_close_holes"
     with pytest.raises(UnknownFilterError, match="did you mean 'grow_points'"):
         find_any("grow_pionts")
+
+
+def test_what_meshlab_says_is_said_once(tmp_path, sphere):
+    path = written(tmp_path, step("Compute Area/Perimeter of selection"))
+    with pytest.raises(ScriptError) as caught:
+        run_script(sphere, path)
+    assert str(caught.value) == (
+        f"{path}:2: 'Compute Area/Perimeter of selection': Cannot apply: there is no face selection"
+    )
