@@ -77,7 +77,7 @@ class Page:
         return done.stdout + (done.stderr if code else "")
 
     def environment(self) -> dict[str, str]:
-        installed = {"PYTHONPATH": str(self.folder / "site"), "OMP_NUM_THREADS": "1"}
+        installed = {"PYTHONPATH": str(self.folder / "site"), "OMP_WAIT_POLICY": "passive"}
         return {"PATH": "/usr/bin:/bin", "HOME": str(self.folder), "COLUMNS": "200"} | installed
 
     def words(self, command: str) -> list[str]:
