@@ -78,7 +78,8 @@ class Page:
 
     def environment(self) -> dict[str, str]:
         installed = {"PYTHONPATH": str(self.folder / "site"), "OMP_WAIT_POLICY": "passive"}
-        return {"PATH": "/usr/bin:/bin", "HOME": str(self.folder), "COLUMNS": "200"} | installed
+        programs = f"{Path(sys.executable).parent}:/usr/bin:/bin"
+        return {"PATH": programs, "HOME": str(self.folder), "COLUMNS": "200"} | installed
 
     def words(self, command: str) -> list[str]:
         program, *rest = shlex.split(command, comments=True)
@@ -89,6 +90,8 @@ class Page:
             return [sys.executable, "-m", "pip", "install", *offline, *quiet, *rest[1:]]
         if program == "python":
             return [sys.executable, *rest]
+        if program in ("sh", "sed"):
+            return [program, *rest]
         return [str(Path(sys.executable).with_name(program)), *rest]
 
 
