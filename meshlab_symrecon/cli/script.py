@@ -64,7 +64,8 @@ def run(
 
 def _count(steps: Any) -> str:
     skipped = sum(step.status == "skipped" for step in steps)
-    return f"{len(steps)} steps" + (f" ({skipped} skipped)" if skipped else "")
+    count = "1 step" if len(steps) == 1 else f"{len(steps)} steps"
+    return count + (f" ({skipped} skipped)" if skipped else "")
 
 
 def _say(step: Any) -> None:
