@@ -23,8 +23,6 @@ import pytest
 
 import meshlab_symrecon
 from meshlab_symrecon.errors import SymReconWarning
-from meshlab_symrecon.host.mlx import read_script
-from meshlab_symrecon.host.resolution import resolve_script
 
 ROOT = Path(__file__).parents[1]
 TUTORIALS = sorted(ROOT.glob("docs/tutorials/*.md"))
@@ -90,7 +88,7 @@ class Page:
             return [sys.executable, "-m", "pip", "install", *offline, *quiet, *rest[1:]]
         if program == "python":
             return [sys.executable, *rest]
-        if program in ("sh", "sed"):
+        if program in ("grep", "sed", "sh"):
             return [program, *rest]
         return [str(Path(sys.executable).with_name(program)), *rest]
 
@@ -118,9 +116,6 @@ def test_a_tutorial_does_what_it_says(tutorial, tmp_path, monkeypatch):
                 page.follow(before, language, text)
     finally:
         meshlab_symrecon.unload_plugins()
-    for script in tmp_path.glob("*.mlx"):
-        if not script.name.startswith("mistaken"):
-            resolve_script(read_script(script))
 
 
 def test_there_are_tutorials():
