@@ -118,9 +118,11 @@ def _parameter(parameter: Parameter) -> str:
 
 def _examples(item: Filter) -> list[str]:
     """Return the step in Python, in a script, and on the command line."""
-    first = next(iter(item.parameters.declared()), None)
-    call = "" if first is None else f"{first.name}={first.default!r}"
-    option = "" if first is None else f" --{first.name.replace('_', '-')} {_quoted(first)}"
+    call, option = "", ""
+    for first in item.parameters.declared()[:1]:
+        written = f'"{first.default}"' if isinstance(first.default, str) else ""
+        call = f"{first.name}={written or repr(first.default)}"
+        option = f" --{first.name.replace('_', '-')} {written or first.format(first.default)}"
     return [
         "In Python, where `ms` is a `MeshSet`, after `meshlab_symrecon.load_plugins()`:",
         f"```python\nmeasures = ms.{item.python_name}({call})\n```",
@@ -129,11 +131,6 @@ def _examples(item: Filter) -> list[str]:
         "On the command line:",
         f"```sh\nsymrecon apply {item.python_name} scan.ply -o result.ply{option}\n```",
     ]
-
-
-def _quoted(parameter: Parameter) -> str:
-    default = parameter.default
-    return f'"{default}"' if isinstance(default, str) else parameter.format(default)
 
 
 def _step_text(step: Step) -> str:

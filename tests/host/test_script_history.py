@@ -13,6 +13,7 @@ import pytest
 
 from meshlab_symrecon.errors import FileError, ScriptError, SymReconWarning
 from meshlab_symrecon.host import exact_steps, history, registration
+from meshlab_symrecon.host.filter_script import FilterScript
 from meshlab_symrecon.host.history import read_history
 from meshlab_symrecon.host.mlx import Step, read_script
 from meshlab_symrecon.host.resolution import resolve_script
@@ -187,6 +188,16 @@ def test_pymeshlab_itself_reads_what_was_saved(plugins, tmp_path):
     np.testing.assert_allclose(
         plain.mesh(0).vertex_matrix(), by_hand.mesh(0).vertex_matrix(), atol=1e-5
     )
+
+
+def test_a_script_object_is_made_of_what_ran(plugins):
+    by_hand, again = sphere(), sphere()
+    work(by_hand)
+    script = FilterScript.of(by_hand)
+    assert script.check() == ()
+    assert [step.name for step in script] == [step.menu_name for step in read_history(by_hand)]
+    script.run(again)
+    assert_same_bits(by_hand, again)
 
 
 # --- reading --------------------------------------------------------------------------------------
