@@ -57,11 +57,18 @@ def _text(attributes: Mapping[str, str]) -> str:
     return " ".join(attributes[part] for part in spread)
 
 
-def record(mesh_set: Any, item: Filter, parameters: ParameterSet, native_steps: int = 0) -> bool:
+def record(
+    mesh_set: Any,
+    item: Filter,
+    parameters: ParameterSet,
+    note: exact_steps.Note,
+    native_steps: int = 0,
+) -> bool:
     """Append a step of ours to the history; return False when the history cannot be rewritten.
 
     A history that holds a camera cannot be: the native reader would abort. Ours takes the place of
     the last ``native_steps``, which were its own means; those stay where it cannot be rewritten.
+    ``note`` was taken before the step ran.
     """
     root = _saved(mesh_set)
     if any(element.get("type") == UNREADABLE for element in root.iter("Param")):
@@ -72,7 +79,7 @@ def record(mesh_set: Any, item: Filter, parameters: ParameterSet, native_steps: 
     root.append(_element(plugin_step(item, parameters)))
     _load(mesh_set, root)
     exact_steps.drop_last(mesh_set, native_steps)
-    exact_steps.note(mesh_set, exact_steps.note_of(mesh_set, item, parameters.values()))
+    exact_steps.note(mesh_set, note)
     return True
 
 

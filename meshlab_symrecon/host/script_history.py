@@ -94,7 +94,10 @@ def save_script(mesh_set: Any, path: str | Path) -> None:
     """
     shown = history.read_history(mesh_set)
     history.check_restorable(shown)
-    write_script(todays_steps(exact_steps.exact_script(mesh_set, shown)), path)
+    script = exact_steps.exact_script(mesh_set, shown)
+    write_script(todays_steps(script), path)
+    for sentence in exact_steps.lost_between(mesh_set, shown):
+        warn_user(sentence)
 
 
 def todays_steps(script: Script) -> tuple[Step, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from meshlab_symrecon.errors import HostError, PluginError, UnknownFilterError
-from meshlab_symrecon.host import history
+from meshlab_symrecon.host import exact_steps, history
 from meshlab_symrecon.host.meshset import add_layer, check_addable, layers_of
 from meshlab_symrecon.host.native_filters import apply_native, find_native, is_native
 from meshlab_symrecon.host.notices import warn_user
@@ -150,10 +150,11 @@ def run_filter(
         The filter made something that MeshLab cannot hold.
     """
     parameters = item.bind(values)
+    note = exact_steps.note_of(mesh_set, item, parameters.values())
     outcome = item.apply(layers_of(mesh_set), values, progress)
     _write(mesh_set, item, outcome)
     native_steps = NATIVE_STEPS * len(outcome.scalars)
-    if not history.record(mesh_set, item, parameters, native_steps):
+    if not history.record(mesh_set, item, parameters, note, native_steps):
         warn_user(_unrecorded(item, native_steps))
     for sentence in outcome.warnings:
         warn_user(sentence)

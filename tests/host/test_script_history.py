@@ -190,6 +190,41 @@ def test_pymeshlab_itself_reads_what_was_saved(plugins, tmp_path):
     )
 
 
+def test_a_change_of_the_current_layer_between_steps_is_a_step_of_the_script(plugins, tmp_path):
+    """pymeshlab's own history does not know of it, so that its replay works on other layers."""
+
+    def do(mesh_set):
+        mesh_set.create_cube(size=2.0)
+        mesh_set.set_current_mesh(0)
+        mesh_set.compute_matrix_from_scaling_or_normalization(axisx=THIRD, uniformflag=True)
+        mesh_set.grow_points(factor=3.0)
+        mesh_set.set_current_mesh(1)
+        mesh_set.grow_points(factor=5.0)
+
+    by_hand, again = sphere(), sphere()
+    do(by_hand)
+    by_hand.save_filter_script(tmp_path / "steps.mlx")
+    with pytest.warns(SymReconWarning, match="the current layer changes, by position"):
+        again.load_filter_script(tmp_path / "steps.mlx")
+    again.apply_filter_script()
+    assert_same_bits(by_hand, again)
+    names = [step.name for step in read_script(tmp_path / "steps.mlx").steps]
+    change, scale = "Change the current layer", "Transform: Scale, Normalize"
+    assert names == ["Box/Cube", change, scale, "Grow Points", change, "Grow Points"]
+    again.save_filter_script(tmp_path / "again.mlx")
+    assert read_script(tmp_path / "again.mlx").steps == read_script(tmp_path / "steps.mlx").steps
+
+
+def test_layers_that_no_step_made_are_named_when_a_script_is_saved(plugins, points, tmp_path):
+    mesh_set = sphere()
+    mesh_set.grow_points()
+    mesh_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points))
+    mesh_set.grow_points()
+    with pytest.warns(SymReconWarning, match="between 'Grow Points' and 'Grow Points' layers came"):
+        mesh_set.save_filter_script(tmp_path / "steps.mlx")
+    assert [step.name for step in read_script(tmp_path / "steps.mlx").steps] == ["Grow Points"] * 2
+
+
 def test_a_script_object_is_made_of_what_ran(plugins):
     by_hand, again = sphere(), sphere()
     work(by_hand)
