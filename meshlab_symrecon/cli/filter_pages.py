@@ -89,9 +89,9 @@ def filter_page(item: Filter) -> str:
 
 def _facts(item: Filter) -> str:
     """Return the names, the menu, and what goes in and comes out, one a line."""
-    reads = "the current layer, with " + " and ".join(item.requires) if item.requires else "nothing"
+    reads = " and ".join(item.requires) + " in the current layer" if item.requires else "nothing"
     if item.arity == "VARIABLE":
-        reads += "; other layers too"
+        reads += "; it reads other layers too"
     makes = ", ".join(f"the layer `{label}`" for label in item.creates)
     facts = {
         "Python name": f"`{item.python_name}`",
