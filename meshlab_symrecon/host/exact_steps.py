@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
-import pymeshlab
 
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.mlx import Param, Script, Step
@@ -148,22 +147,20 @@ def in_full(used: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]
     """Return the values of a native step as they are best written down.
 
     MeshLab keeps most numbers in single precision, so that .1 comes back from it as
-    .10000000149011612. What was given is kept as it was; of defaults, the shortest number is taken
-    that MeshLab makes the same of. A percentage is given as the length that it came to.
+    .10000000149011612. A number that was given is kept as it was, unless MeshLab has cut it down to
+    its range; else the shortest number is taken that MeshLab makes the same of. A percentage is
+    given as the length that it came to.
     """
-    return {
-        name: _shortest(value)
-        if name not in given or isinstance(given[name], pymeshlab.PercentageValue)
-        else given[name]
-        for name, value in used.items()
-    }
+    return {name: _in_full(value, given.get(name)) for name, value in used.items()}
 
 
-def _shortest(value: Any) -> Any:
-    if not isinstance(value, float):
-        return value
-    single = np.float32(value)
-    return float(str(single)) if float(single) == value else value
+def _in_full(used: Any, given: Any) -> Any:
+    if not isinstance(used, float):
+        return used if given is None else given
+    single = np.float32(used)
+    if isinstance(given, (int, float)) and np.float32(given) == single:
+        return given
+    return float(str(single)) if float(single) == used else used
 
 
 def exact_script(mesh_set: Any, shown: Sequence[NativeStep]) -> Script:

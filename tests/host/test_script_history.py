@@ -114,6 +114,15 @@ def test_given_and_default_values_are_written_in_full(plugins, tmp_path):
     assert distance.keys() == defaults.keys()
 
 
+def test_a_number_that_meshlab_cut_down_is_written_as_it_ran(plugins):
+    mesh_set = sphere()
+    mesh_set.compute_matrix_from_rotation(angle=1000.0, customaxis=np.array([THIRD, 0.0, 0.0]))
+    (step,) = resolve_script(recorded_script(mesh_set))
+    assert step.values["angle"] == 360.0
+    assert step.values["customaxis"].tolist() == [THIRD, 0.0, 0.0]
+    assert step.values["snapangle"] == 30.0
+
+
 def test_layers_are_written_by_position(plugins, tmp_path):
     """A MeshSet numbers its layers for good; a script counts those that are there."""
     mesh_set = pymeshlab.MeshSet(verbose=False)
