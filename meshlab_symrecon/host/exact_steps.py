@@ -157,9 +157,10 @@ def in_full(used: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]
 def _in_full(used: Any, given: Any) -> Any:
     if not isinstance(used, float):
         return used if given is None else given
-    single = np.float32(used)
-    if isinstance(given, (int, float)) and np.float32(given) == single:
-        return given
+    with np.errstate(over="ignore"):
+        single = np.float32(used)
+        if isinstance(given, (int, float)) and np.float32(given) == single:
+            return given
     return float(str(single)) if float(single) == used else used
 
 

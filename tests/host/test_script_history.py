@@ -121,6 +121,11 @@ def test_a_number_that_meshlab_cut_down_is_written_as_it_ran(plugins):
     assert step.values["angle"] == 360.0
     assert step.values["customaxis"].tolist() == [THIRD, 0.0, 0.0]
     assert step.values["snapangle"] == 30.0
+    huge = {"axisx": 1e300}  # infinite in single precision
+    most = mesh_set.filter_parameter_values("compute_matrix_from_translation", **huge)["axisx"]
+    mesh_set.compute_matrix_from_translation(**huge)
+    written = resolve_script(recorded_script(mesh_set))[-1].values["axisx"]
+    assert np.float32(written) == np.float32(most)
 
 
 def test_layers_are_written_by_position(plugins, tmp_path):
