@@ -7,7 +7,7 @@ of today that they belong to (``*``: of any), and filters that are gone.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
@@ -68,14 +68,24 @@ class Change:
         What its values are today, None for one that says nothing today; all others stay.
     factors : mapping of str to float
         The parameters of today among which it was split: its number is multiplied.
+    also : mapping of str to str
+        Values of other parameters of today that it implied.
+    unless_file : str
+        Python name of a parameter: nothing is implied where it names a file that is there.
     note : str
         What to do now that it is gone.
+    then : sequence of two str
+        The filter that does today what it stood for, after its own, and the parameter of that
+        filter that takes its value; empty for most.
     """
 
     to: str = ""
     values: Mapping[str, str | None] = field(default_factory=dict)
     factors: Mapping[str, float] = field(default_factory=dict)
+    also: Mapping[str, str] = field(default_factory=dict)
+    unless_file: str = ""
     note: str = ""
+    then: Sequence[str] = ()
 
 
 def bare_name(name: str) -> str:
