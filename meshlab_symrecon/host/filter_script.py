@@ -15,6 +15,7 @@ from meshlab_symrecon.host.native_only import checked_for_the_window
 from meshlab_symrecon.host.python_script import python_script
 from meshlab_symrecon.host.resolution import find_any, matched
 from meshlab_symrecon.host.script import ScriptReport, run_steps
+from meshlab_symrecon.host.script_history import recorded_script
 from meshlab_symrecon.host.trial import try_script
 from meshlab_symrecon.host.upgrade import checked, upgraded
 from meshlab_symrecon.host.written_steps import written_step
@@ -53,6 +54,21 @@ class FilterScript:
             As ``read_script``.
         """
         script = read_script(path)
+        return cls(script.steps, script.path)
+
+    @classmethod
+    def of(cls, mesh_set: Any) -> FilterScript:
+        """Return the steps that ran on a MeshSet, or were loaded into its history.
+
+        Numbers are exact for our filters, and for MeshLab's that ran after ``load_plugins``;
+        pymeshlab itself keeps six digits. Numbers of layers are positions.
+
+        Raises
+        ------
+        HostError
+            The history cannot be read.
+        """
+        script = recorded_script(mesh_set)
         return cls(script.steps, script.path)
 
     def __len__(self) -> int:
