@@ -11,6 +11,7 @@ from meshlab_symrecon.cli.check import check
 from meshlab_symrecon.cli.filters import filters
 from meshlab_symrecon.cli.reconstruct import reconstruct
 from meshlab_symrecon.cli.script import run
+from meshlab_symrecon.cli.upgrade import upgrade
 
 __all__ = ["main"]
 
@@ -24,7 +25,7 @@ def main() -> None:
     """
 
 
-for command in (reconstruct, apply, run, check, filters):
+for command in (reconstruct, apply, run, check, upgrade, filters):
     main.add_command(command)
 
 if __name__ == "__main__":
