@@ -143,10 +143,10 @@ def expectation(item: Filter | NativeFilter) -> Expectation:
     if isinstance(item, NativeFilter):
         return _of_natives()[item.python_name]
     needs = [Need("layer"), *(Need(OF_PLUGINS[name]) for name in item.requires)]
-    added = len(item.creates)
+    # A filter need not declare what it makes: then nobody knows.
     return Expectation(
         needs=tuple(needs) if item.requires else (),
-        way=Way(most=added, current="" if added else "same"),
+        way=Way(most=len(item.creates) or None, current=""),
         kept={"quality": "??"},  # it may write scalars into any layer
         others={"quality": "??"},
     )
