@@ -57,6 +57,7 @@ def apply_filter_script(
     *,
     strict: bool = False,
     lenient: bool = False,
+    isolate: bool = False,
     progress: Progress | None = None,
 ) -> Any:
     """Check a filter script, then run it on a MeshSet; return the report of its steps.
@@ -69,14 +70,18 @@ def apply_filter_script(
         Refuse a script of which anything would be mapped or ignored.
     lenient : bool
         Pass over steps that cannot run, and report each.
+    isolate : bool
+        Try it on a copy in a child process first, so that a crash of MeshLab is an error.
     progress : callable, optional
         Called with a fraction 0..1 and a message.
 
     Raises
     ------
-    ScriptError
-        The script cannot be read, or a step cannot run; nothing has run then.
+    FileError, ScriptError
+        The script cannot be read, has mistakes, all of which are listed and nothing has run, or a
+        step failed.
+    HostError
+        A step crashed in the child process; the document is as it was.
     """
-    return import_module("meshlab_symrecon.host.script").run_script(
-        mesh_set, path, strict=strict, lenient=lenient, progress=progress
-    )
+    script = import_module("meshlab_symrecon.host.filter_script").FilterScript.read(path)
+    return script.run(mesh_set, strict=strict, lenient=lenient, isolate=isolate, progress=progress)

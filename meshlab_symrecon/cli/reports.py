@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -33,22 +34,26 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
 
 def plain(value: Any) -> Any:
     """Return lists, dicts, texts and numbers for JSON; what is no finite number becomes None."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (np.ndarray, np.generic)):
         return plain(value.tolist())
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, Sequence) and not isinstance(value, (str, bytes)):
         return [plain(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
-    return _plain_box(value) if hasattr(value, "diagonal") else str(value)
+    return _plain_object(value)
 
 
-def _plain_box(box: Any) -> dict[str, Any]:
-    """Return the corners of a box of pymeshlab."""
-    return {"min": plain(box.min()), "max": plain(box.max())}
+def _plain_object(value: Any) -> Any:
+    """Return the corners of a box of pymeshlab, the fields of a record, or the words of others."""
+    if hasattr(value, "diagonal"):
+        return {"min": plain(value.min()), "max": plain(value.max())}
+    if is_dataclass(value):
+        return {known.name: plain(getattr(value, known.name)) for known in fields(value)}
+    return str(value)
 
 
 def is_detection(measures: Mapping[str, Any]) -> bool:

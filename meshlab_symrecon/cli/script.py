@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +44,7 @@ def run(
     The inputs become layers in their order; the last one is the current one. The whole script is
     checked before anything runs.
     """
-    from meshlab_symrecon.cli.reports import write_json
+    from meshlab_symrecon.cli.reports import plain, write_json
     from meshlab_symrecon.host.file_job import run_on_files
     from meshlab_symrecon.host.files import check_output
 
@@ -57,7 +56,7 @@ def run(
         result = run_on_files(script, inputs, output, **how, progress=progress)
     if report is not None:
         files = {"inputs": [str(path) for path in inputs], "output": str(output)}
-        write_json(report, dataclasses.asdict(result) | files)
+        write_json(report, plain(result) | files)
     for step in result.steps:
         _say(step)
     click.echo(f"{_count(result.steps)} in {result.seconds:.1f} s, written {output}")
@@ -65,7 +64,8 @@ def run(
 
 def _count(steps: Any) -> str:
     skipped = sum(step.status == "skipped" for step in steps)
-    return f"{len(steps)} steps" + (f" ({skipped} skipped)" if skipped else "")
+    count = "1 step" if len(steps) == 1 else f"{len(steps)} steps"
+    return count + (f" ({skipped} skipped)" if skipped else "")
 
 
 def _say(step: Any) -> None:

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from meshlab_symrecon.host.files import WRITABLE, check_output, load, new_document, save_current
 from meshlab_symrecon.host.isolation import isolated
+from meshlab_symrecon.host.mlx import Script
 from meshlab_symrecon.host.projects import PROJECT, save_project
-from meshlab_symrecon.host.script import ScriptReport, checked_script, run_script
+from meshlab_symrecon.host.script import ScriptReport, checked_script, run_steps
 from meshlab_symrecon.plugin import Progress
 
 __all__ = ["run_on_files"]
@@ -49,8 +50,9 @@ def run_on_files(
         A step crashed in the child process; nothing was written.
     """
     check_output(output, [script, *inputs], (*WRITABLE, PROJECT))
-    checked_script(script, strict=strict, lenient=lenient)  # before reading inputs, which is long
-    job = (script, tuple(inputs), output, strict, lenient)
+    # Before reading inputs, which is long; and once only, since a script may come through a pipe.
+    steps = checked_script(script, strict=strict, lenient=lenient)
+    job = (steps, tuple(inputs), output, strict, lenient)
     if not isolate:
         return _done(*job, progress=progress)
     report: ScriptReport = isolated(_done, *job, progress=progress, folders=[output.parent])
@@ -58,7 +60,7 @@ def run_on_files(
 
 
 def _done(
-    script: Path,
+    script: Script,
     inputs: Sequence[Path],
     output: Path,
     strict: bool,
@@ -70,10 +72,10 @@ def _done(
     for path in inputs:
         progress(0.0, f"reading {path}")
         load(path, mesh_set)
-    report = run_script(mesh_set, script, strict=strict, lenient=lenient, progress=progress)
+    report = run_steps(mesh_set, script, strict=strict, lenient=lenient, progress=progress)
     progress(1.0, f"writing {output}")
     if output.suffix.lower() == f".{PROJECT}":
-        save_project(mesh_set, output, [script, *inputs])
+        save_project(mesh_set, output, [script.path, *inputs])
     else:
         save_current(mesh_set, output)
     return report

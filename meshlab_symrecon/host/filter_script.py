@@ -12,8 +12,10 @@ from meshlab_symrecon.host.findings import Finding
 from meshlab_symrecon.host.mlx import Script, Step, read_script, write_script
 from meshlab_symrecon.host.resolution import find_any, matched
 from meshlab_symrecon.host.script import ScriptReport, run_steps
+from meshlab_symrecon.host.trial import try_script
 from meshlab_symrecon.host.written_steps import written_step
 from meshlab_symrecon.plugin import Progress
+from meshlab_symrecon.plugin.filter import silent
 
 __all__ = ["FilterScript"]
 
@@ -142,10 +144,33 @@ class FilterScript:
         *,
         strict: bool = False,
         lenient: bool = False,
+        isolate: bool = False,
         progress: Progress | None = None,
     ) -> ScriptReport:
-        """Check all of it, then run it step by step on a MeshSet; see ``run_script``."""
-        return run_steps(mesh_set, self._script, strict=strict, lenient=lenient, progress=progress)
+        """Check all of it, then run it step by step on a MeshSet.
+
+        Parameters
+        ----------
+        mesh_set : pymeshlab.MeshSet
+        strict, lenient : bool
+            As ``run_script``.
+        isolate : bool
+            Run it on a copy of the document in a child process first: when a step crashes MeshLab
+            or fails there, it is an error and the document is as it was. Takes twice the time.
+        progress : callable, optional
+
+        Raises
+        ------
+        ScriptError
+            As ``run_script``.
+        HostError
+            A step crashed in the child process.
+        """
+        report = progress or silent
+        if isolate:
+            try_script(mesh_set, self._script, lenient=lenient, progress=_half(report, 0.0))
+            report = _half(report, 0.5)
+        return run_steps(mesh_set, self._script, strict=strict, lenient=lenient, progress=report)
 
     @property
     def _script(self) -> Script:
@@ -157,3 +182,7 @@ class FilterScript:
             message = f"the script has {count} steps, counted from 0; got position {position}"
             raise ScriptError(f"{message}; give one of them")
         return position % count
+
+
+def _half(progress: Progress, start: float) -> Progress:
+    return lambda fraction, message: progress(start + 0.5 * fraction, message)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -33,7 +33,9 @@ __all__ = [
 
 HEADER = "<!DOCTYPE FilterScript>\n"
 ROOT = "FilterScript"
-CHILDREN = {"filter": "param", "xmlfilter": "xmlparam"}  # tag of a step: tag of its parameters
+STEPS = ("filter", "xmlfilter")
+PARAMETERS = ("param", "xmlparam")
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
@@ -47,7 +49,8 @@ class Param:
     line : int
         Line of the script; no part of the comparison.
     rich_type : str
-        MeshLab's type, such as ``RichFloat``; empty in an ``<xmlparam>``.
+        MeshLab's type, such as ``RichFloat``; empty in an ``<xmlparam>``, and where a script leaves
+        it out: types are those of today's filters.
     text : str or None
         The attribute ``value``; None where the type keeps its value in other attributes.
     attributes : mapping of str to str
@@ -82,21 +85,22 @@ class Script:
 class _Collector:
     """What expat calls: collects steps with the line on which each element starts."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, skipped: int) -> None:
         self.path = path
+        self.skipped = skipped  # lines before the first that expat was given
         self.steps: list[Step] = []
         self.open_tags: list[str] = []
         self.parser: Any = None  # set after construction: parser and target need each other
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
-        line = self.parser.parser.CurrentLineNumber
+        line = self.parser.parser.CurrentLineNumber + self.skipped
         plain = tag.lower()
         if not self.open_tags:
-            if tag != ROOT:
+            if plain != ROOT.lower():
                 raise self.problem(line, f"the outermost element must be <{ROOT}>; got <{tag}>")
         elif len(self.open_tags) == 1:
             self.start_step(plain, line, attributes)
-        elif len(self.open_tags) == 2 and plain == CHILDREN[self.open_tags[1]]:
+        elif len(self.open_tags) == 2 and plain in PARAMETERS:
             self.start_parameter(line, attributes)
         else:
             raise self.problem(line, f"<{tag}> has no place inside <{self.open_tags[-1]}>")
@@ -109,7 +113,7 @@ class _Collector:
         return tuple(self.steps)
 
     def start_step(self, tag: str, line: int, attributes: dict[str, str]) -> None:
-        if tag not in CHILDREN:
+        if tag not in STEPS:
             raise self.problem(line, f"a step must be a <filter> or <xmlfilter>; got <{tag}>")
         if not attributes.get("name", "").strip():
             raise self.problem(line, f'this <{tag}> has no name; write name="..."')
@@ -121,21 +125,36 @@ class _Collector:
         if not name.strip():
             raise self.problem(line, 'this parameter has no name; write name="..."')
         step = self.steps[-1]
-        if not (rich_type or step.from_xml_plugin):
-            raise self.problem(line, f"parameter '{name}' has no type; write type=\"Rich...\"")
-        if any(name.lower() == other.name.lower() for other in step.parameters):
-            raise self.problem(line, f"parameter '{name}' is given twice; keep one")
         parameter = Param(name, line, rich_type, rest.pop("value", None), rest)
-        self.steps[-1] = Step(
-            step.name, step.line, (*step.parameters, parameter), step.from_xml_plugin
-        )
+        twin = next((known for known in step.parameters if same_name(known.name, name)), None)
+        if twin is None:
+            self.steps[-1] = replace(step, parameters=(*step.parameters, parameter))
+        elif (twin.text, twin.attributes) != (parameter.text, parameter.attributes):
+            what = f"parameter '{name}' is given twice, with different values; keep one"
+            raise self.problem(line, what)
 
     def problem(self, line: int, what: str) -> ScriptError:
         return ScriptError(f"{self.path}:{line}: {what}")
 
 
+def same_name(first: str, second: str) -> bool:
+    """Say whether two names of parameters are one, as scripts are read."""
+    return first.strip().lower() == second.strip().lower()
+
+
+def _without_leading_blanks(content: bytes) -> tuple[bytes, int]:
+    """Return what XML allows to begin with ``<?xml``, and how many lines were cut."""
+    text = content.removeprefix(BYTE_ORDER_MARK)
+    begun = text.lstrip(b" \t\r\n")
+    if begun is text or not begun.startswith(b"<?xml"):
+        return content, 0
+    return begun, text[: len(text) - len(begun)].replace(b"\r\n", b"\n").count(b"\n")
+
+
 def read_script(path: str | Path) -> Script:
     """Read a script.
+
+    Tags are read in any case, and blank lines before the first line of XML are allowed.
 
     Raises
     ------
@@ -151,7 +170,8 @@ def read_script(path: str | Path) -> Script:
     except (OSError, ValueError) as error:
         words = reason(error) if isinstance(error, OSError) else str(error)
         raise FileError(f"script {path} cannot be read: {words}; check its path") from error
-    collector = _Collector(path)
+    content, skipped = _without_leading_blanks(content)
+    collector = _Collector(path, skipped)
     parser = DefusedXMLParser(target=collector)
     collector.parser = parser
     try:
@@ -159,9 +179,10 @@ def read_script(path: str | Path) -> Script:
         steps = parser.close()
     except ElementTree.ParseError as error:
         words = str(error).split(": line")[0]
-        raise ScriptError(f"{path}:{error.position[0]}: this is not XML: {words}") from error
+        line = error.position[0] + skipped
+        raise ScriptError(f"{path}:{line}: this is not XML: {words}") from error
     except DefusedXmlException as error:
-        line = parser.parser.CurrentLineNumber
+        line = parser.parser.CurrentLineNumber + skipped
         message = f"{path}:{line}: a filter script must not define entities; remove them"
         raise ScriptError(message) from error
     except (LookupError, ValueError) as error:  # an encoding that Python does not know

@@ -13,9 +13,10 @@ import numpy as np
 import pymeshlab
 
 from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.host.old_names import bare_name
 from meshlab_symrecon.plugin.parameters import WORDS_OF_BOOLEANS, chosen_word
 
-__all__ = ["SPREAD", "NativeParameter", "checked_value", "parse_native"]
+__all__ = ["SPREAD", "NativeParameter", "checked_value", "parse_native", "parsed_number"]
 
 SPREAD = {  # types that keep their value in several attributes
     "RichColor": ("r", "g", "b", "a"),
@@ -25,6 +26,9 @@ SPREAD = {  # types that keep their value in several attributes
     "RichMatrix44f": tuple(f"val{number}" for number in range(16)),
 }
 _NUMBERS_IN = {"RichPosition": 3, "RichDirection": 3, "RichPoint3f": 3, "RichMatrix44f": 16}
+_LARGEST = 2**31 - 1  # MeshLab's whole numbers have 32 bits
+_DECIMAL_COMMA = re.compile(r"([+-]?\d+),(\d+(?:[eE][+-]?\d+)?)")
+_WITH_SUFFIX = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)[fF]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +85,7 @@ def parse_native(parameter: NativeParameter, text: str) -> Any:
     Booleans are ``true``, ``false``, ``1``, ``0``; a choice is its word or its number; positions
     and matrices are 3 or 16 numbers, row by row, with spaces or commas between; a colour is
     ``#rrggbb`` or 3 or 4 numbers up to 255; a percentage is an absolute length, or ends in ``%``.
+    Numbers may have a decimal comma, or the ``f`` of C++ at their end.
 
     Raises
     ------
@@ -109,10 +114,33 @@ def _parsed_numbers(kind: str, text: str) -> object:
     if kind == "RichColor" and text.startswith("#"):
         return [int(text[start : start + 2], 16) for start in range(1, len(text), 2)]
     if kind in _NUMBERS_IN or kind == "RichColor":
-        return [float(word) for word in re.split(r"[\s,;]+", text.strip("[]() "))]
+        return _parsed_row(text.strip("[]() "), _NUMBERS_IN.get(kind, 3))
     if kind == "RichAbsPerc" and text.endswith("%"):
-        return pymeshlab.PercentageValue(float(text[:-1]))
-    return int(text) if kind in ("RichInt", "RichMesh") else float(text)
+        return pymeshlab.PercentageValue(parsed_number(text[:-1].strip()))
+    return int(text) if kind in ("RichInt", "RichMesh") else parsed_number(text)
+
+
+def parsed_number(text: str) -> float:
+    """Return the number; it may have a decimal comma, or the ``f`` of C++ at its end.
+
+    Raises
+    ------
+    ValueError
+        It is none.
+    """
+    comma = _DECIMAL_COMMA.fullmatch(text)
+    suffix = _WITH_SUFFIX.fullmatch(text)
+    if comma:
+        return float(f"{comma[1]}.{comma[2]}")
+    return float(suffix[1] if suffix else text)
+
+
+def _parsed_row(text: str, count: int) -> list[float]:
+    """Return numbers with blanks or semicolons between, else with commas between."""
+    words = re.split(r"[\s;]+", text)
+    if len(words) == count and not any(word.endswith(",") for word in words):
+        return [parsed_number(word) for word in words]
+    return [float(word) for word in re.split(r"[\s,;]+", text)]
 
 
 def _plain(value: object) -> object:
@@ -135,10 +163,12 @@ def _number(parameter: NativeParameter, value: object) -> float:
 
 
 def _whole(parameter: NativeParameter, value: object) -> int:
-    number = _number(parameter, value)
-    if number != int(number):
+    plain = _plain(value)
+    if type(plain) is not int:  # an int is not made a float, which would round it
+        plain = _number(parameter, value)
+    if plain != int(plain) or abs(plain) > _LARGEST:
         raise _refusal(parameter, value)
-    return int(number)
+    return int(plain)
 
 
 def _length(parameter: NativeParameter, value: object) -> Any:
@@ -149,6 +179,10 @@ def _length(parameter: NativeParameter, value: object) -> Any:
 
 def _word(parameter: NativeParameter, value: object) -> str:
     word = chosen_word(_plain(value), parameter.words)
+    if word is None and isinstance(value, str):
+        word = next(
+            (known for known in parameter.words if bare_name(known) == bare_name(value)), None
+        )
     if word is None:
         raise _refusal(parameter, value)
     return word

@@ -2,39 +2,27 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
-from meshlab_symrecon.errors import ParameterError, UnknownFilterError
+from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.host.current_layer import KEPT, MADE, current_is_kept, current_was_kept
+from meshlab_symrecon.host.filter_names import find_any, find_listed, known_today
 from meshlab_symrecon.host.findings import IGNORE, NOTE, Finding, Findings, check_findings
 from meshlab_symrecon.host.guards import check_display
-from meshlab_symrecon.host.mlx import Param, Script, Step
-from meshlab_symrecon.host.native_filters import (
-    NativeFilter,
-    find_native,
-    is_native,
-    native_filters,
-)
-from meshlab_symrecon.host.native_values import SPREAD, NativeParameter, parse_native
-from meshlab_symrecon.host.old_names import (
-    CHANGE_LAYER,
-    NOTHING,
-    OldName,
-    current_parameter,
-    find_old_name,
-)
-from meshlab_symrecon.host.steps import find_filter, registry
+from meshlab_symrecon.host.mlx import Script, Step
+from meshlab_symrecon.host.native_filters import NativeFilter, find_native
+from meshlab_symrecon.host.native_values import NativeParameter, parse_native
+from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING, OldName, find_old_name
+from meshlab_symrecon.host.translation import script_name_in_python
+from meshlab_symrecon.host.written_parameters import values_of
+from meshlab_symrecon.host.written_values import LAYER, value_of
 from meshlab_symrecon.plugin import Filter
-from meshlab_symrecon.plugin.parameters import Kind, nearest_names
+from meshlab_symrecon.plugin.parameters import Kind
+from meshlab_symrecon.plugin.registry import plain_name
 
 __all__ = ["Matching", "ResolvedStep", "find_any", "matched", "resolve_script"]
-
-CAMERA, LAYER, INPUT_FILE = "RichShotf", "RichMesh", "RichOpenFile"
-WHOLE = ("RichInt", "RichMesh", "RichEnum")
-WHOLE_AS_FRACTION = re.compile(r"[+-]?\d+\.0*")  # old scripts write whole numbers like this
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +41,8 @@ class ResolvedStep:
         Which of the values are positions of layers, to be mapped when the step runs.
     notes : tuple of Finding
         What was mapped or ignored, and why.
+    keeps_current : bool
+        The layer that it works on stays the current one, whatever layer it makes.
     """
 
     step: Step
@@ -60,6 +50,7 @@ class ResolvedStep:
     values: Mapping[str, Any] = field(default_factory=dict)
     layers: tuple[str, ...] = ()
     notes: tuple[Finding, ...] = ()
+    keeps_current: bool = False
 
     @property
     def python_name(self) -> str:
@@ -96,14 +87,35 @@ def matched(script: Script) -> Matching:
         findings.step = number
         steps.append(None)
         with findings.at(step.line):
-            steps[-1] = _with_notes(_resolved(step, findings), findings)
-    return Matching(tuple(steps), tuple(findings.found))
+            steps[-1] = _resolved(step, findings)
+    names = ["" if step is None else step.python_name for step in steps]
+    found = [
+        None if step is None else _with_current(step, names, number, findings)
+        for number, step in enumerate(steps)
+    ]
+    ordered = sorted(findings.found, key=lambda finding: (finding.step, finding.line))
+    return Matching(tuple(_with_notes(found, ordered)), tuple(ordered))
 
 
-def _with_notes(resolved: ResolvedStep, findings: Findings) -> ResolvedStep:
-    of_step = (finding for finding in findings.found if finding.step == findings.step)
-    notes = tuple(finding for finding in of_step if finding.severity == NOTE)
-    return replace(resolved, notes=notes)
+def _with_current(
+    resolved: ResolvedStep, names: Sequence[str], number: int, findings: Findings
+) -> ResolvedStep:
+    """Decide which layer is current after a step; see ``current_layer``."""
+    findings.step = number
+    if current_is_kept(names, number):
+        findings.note(resolved.step.line, KEPT)
+        return replace(resolved, keeps_current=True)
+    if current_was_kept(resolved.python_name, resolved.step):
+        findings.note(resolved.step.line, MADE)
+    return resolved
+
+
+def _with_notes(
+    steps: Sequence[ResolvedStep | None], findings: Sequence[Finding]
+) -> Iterator[ResolvedStep | None]:
+    for number, step in enumerate(steps):
+        notes = (found for found in findings if (found.step, found.severity) == (number, NOTE))
+        yield None if step is None else replace(step, notes=tuple(notes))
 
 
 def resolve_script(script: Script) -> tuple[ResolvedStep, ...]:
@@ -119,42 +131,31 @@ def resolve_script(script: Script) -> tuple[ResolvedStep, ...]:
     return tuple(step for step in matching.steps if step is not None)
 
 
-def find_any(name: str) -> Filter | NativeFilter:
-    """Return the filter with that name: a plugin's first, then MeshLab's own.
-
-    Raises
-    ------
-    UnknownFilterError
-        There is none; the message carries the nearest name of all.
-    PluginError
-        It is that of a plugin that could not be loaded.
-    """
-    if name in registry():
-        return registry().find(name)
-    if is_native(name):
-        return find_native(name)
-    try:
-        return find_filter(name)
-    except UnknownFilterError as error:
-        known = [known for item in registry() for known in item.names]
-        for item in native_filters().values():
-            known += [item.python_name, item.menu_name]
-        hint = nearest_names(name, known) or "; 'symrecon filters --all' lists them"
-        raise UnknownFilterError(f"no filter is called '{name}'{hint}") from error
-
-
 def _resolved(step: Step, findings: Findings) -> ResolvedStep:
-    known = step.name in registry() or is_native(step.name)
-    old = None if known else find_old_name(step.name)
+    known = known_today(step.name)
+    old = None if known is not None else find_old_name(step.name)
     if old is not None and old.filter == NOTHING:
         findings.note(step.line, "MeshLab does this by itself today")
         return ResolvedStep(step, NOTHING)
     if old is not None and old.filter == CHANGE_LAYER:
         return _resolved_change(step, findings)
-    item = find_any(step.name if old is None else old.filter)
+    item = known
+    if item is None:
+        item = find_listed(step.name) if old is None else find_native(_successor(step, old))
     if isinstance(item, Filter):
         return _resolved_plugin(step, item, findings)
     return _resolved_native(step, item, old, findings)
+
+
+def _successor(step: Step, old: OldName) -> str:
+    """Return the filter that an old one became; a parameter may decide."""
+    if not old.by:
+        return old.filter
+    choice = NativeParameter(old.by, old.by, "RichEnum", tuple(old.words))
+    for written in step.parameters:
+        if script_name_in_python(written.name.strip()) == old.by:
+            return old.words[value_of(choice, written)[0]]
+    return next(iter(old.words.values()))
 
 
 def _resolved_plugin(step: Step, item: Filter, findings: Findings) -> ResolvedStep:
@@ -179,8 +180,7 @@ def _resolved_native(
 ) -> ResolvedStep:
     check_display(item)
     values: dict[str, Any] = {}
-    layers = []
-    if old is not None:
+    if plain_name(step.name) not in (plain_name(item.menu_name), item.python_name):
         findings.note(step.line, f"'{step.name.strip()}' is '{item.menu_name}' today")
     for name, text in ({} if old is None else old.values).items():
         values[name] = parse_native(item.find(name), text)
@@ -188,57 +188,9 @@ def _resolved_native(
         findings.note(step.line, meaning)
     for written in step.parameters:
         with findings.at(written.line, IGNORE):
-            parameter = _native_parameter(item, written, old, findings)
-            if parameter is None:
-                continue
-            values[parameter.name] = _native_value(parameter, written)
-            if parameter.rich_type == LAYER:
-                layers.append(parameter.name)
-    return ResolvedStep(step, item, values, tuple(layers))
-
-
-def _native_parameter(
-    item: NativeFilter, written: Param, old: OldName | None, findings: Findings
-) -> NativeParameter | None:
-    """Return what a written parameter is today; None, and a note, when it is to be ignored."""
-    try:
-        parameter = item.find(written.name)
-    except ParameterError:
-        name = current_parameter(old, written.name)
-        if name is None:
-            raise
-        if not name:
-            gone = f"parameter '{written.name}' ignored: it is gone from '{item.menu_name}'"
-            findings.note(written.line, gone)
-            return None
-        parameter = item.find(name)
-        findings.note(written.line, f"parameter '{written.name}' is '{name}' today")
-    if parameter.rich_type == CAMERA:
-        camera = f"parameter '{written.name}' ignored: pymeshlab takes no camera from outside"
-        findings.note(written.line, camera)
-        return None
-    return parameter
-
-
-def _native_value(parameter: NativeParameter, written: Param) -> Any:
-    text = written.text
-    if text is None:
-        names = SPREAD.get(parameter.rich_type, ("value",))
-        absent = [name for name in names if name not in written.attributes]
-        if parameter.rich_type == "RichColor" and absent == ["a"]:
-            names, absent = names[:3], []
-        if absent:
-            message = f"parameter '{written.name}' has no attribute '{absent[0]}'; write all of "
-            raise ParameterError(message + ", ".join(names))
-        text = " ".join(written.attributes[name] for name in names)
-    if parameter.rich_type in WHOLE and WHOLE_AS_FRACTION.fullmatch(text.strip()):
-        text = text.partition(".")[0]
-    value = parse_native(parameter, text)
-    if parameter.rich_type == LAYER and value < 0:
-        raise ParameterError(f"parameter '{written.name}' must be a layer's position; got {value}")
-    if parameter.rich_type == INPUT_FILE and not Path(value).is_file():
-        raise ParameterError(f"parameter '{written.name}' names no file; got {value!r}")
-    return value
+            values |= values_of(item, written, findings)
+    layers = (known.name for known in item.parameters if known.rich_type == LAYER)
+    return ResolvedStep(step, item, values, tuple(name for name in layers if name in values))
 
 
 def _resolved_change(step: Step, findings: Findings) -> ResolvedStep:
@@ -247,10 +199,10 @@ def _resolved_change(step: Step, findings: Findings) -> ResolvedStep:
     values = {}
     for written in step.parameters:
         with findings.at(written.line):
-            if written.name.strip().lower() != target.name:
+            if written.name.strip().lower() not in ("mesh", "layer"):
                 message = f"unknown parameter '{written.name}' of '{step.name.strip()}'"
                 raise ParameterError(f"{message}; known is 'mesh'")
-            values[target.name] = _native_value(target, written)
+            values[target.name] = value_of(target, written)[0]
     if not step.parameters:
         raise ParameterError(f"'{step.name.strip()}' needs the parameter 'mesh'; got none")
     return ResolvedStep(step, CHANGE_LAYER, values, (target.name,))

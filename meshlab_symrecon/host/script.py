@@ -19,7 +19,7 @@ from meshlab_symrecon.host.guards import reason_to_skip
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.mlx import Script, Step, read_script
 from meshlab_symrecon.host.native_filters import apply_native
-from meshlab_symrecon.host.old_names import CHANGE_LAYER, POISSON
+from meshlab_symrecon.host.old_names import CHANGE_LAYER
 from meshlab_symrecon.host.resolution import ResolvedStep, matched
 from meshlab_symrecon.host.steps import run_filter
 from meshlab_symrecon.plugin import Filter, Progress
@@ -186,7 +186,7 @@ class _Runner:
         if resolved is None:
             return SKIPPED, {}
         try:
-            measures = _applied(self.mesh_set, resolved, notes, progress)
+            measures = _applied(self.mesh_set, resolved, progress)
         except SymReconError as error:
             words = _named(resolved.step, error)
             if not self.lenient:
@@ -211,9 +211,7 @@ def _named(step: Step, error: SymReconError) -> str:
     return words if step.name.strip() in words else f"'{step.name.strip()}': {words}"
 
 
-def _applied(
-    mesh_set: Any, resolved: ResolvedStep, notes: list[str], progress: Progress
-) -> Mapping[str, Any]:
+def _applied(mesh_set: Any, resolved: ResolvedStep, progress: Progress) -> Mapping[str, Any]:
     values = dict(resolved.values)
     for name in resolved.layers:
         values[name] = _identifier_at(mesh_set, name, values[name])
@@ -230,9 +228,8 @@ def _applied(
         raise GeometryError(message)
     before = current_identifier(mesh_set)
     measures = apply_native(mesh_set, name, values)
-    if resolved.step.from_xml_plugin and name == POISSON:
+    if resolved.keeps_current and mesh_set.mesh_id_exists(before):
         mesh_set.set_current_mesh(before)
-        notes.append("the cloud stays the current layer, as in the MeshLab of such scripts")
     return measures
 
 

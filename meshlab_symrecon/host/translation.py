@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import keyword
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -13,6 +14,8 @@ from meshlab_symrecon.errors import HostError, ParameterError, SymReconError
 __all__ = ["script_name_in_python", "translated"]
 
 _SEPARATORS = str.maketrans({" ": "_", "/": "_", "-": "_"} | dict.fromkeys("().,'\":+", ""))
+# The step is named in front; MeshLab's "Details: " starts what is worth saying.
+REPEATED = re.compile(r"^Failed to apply filter: '?\w+[.']*\s+(?:Details: )?")
 _PARAMETER_WORDS = ("Parameter ", "Unable to cast Python instance")
 
 
@@ -46,7 +49,7 @@ def translated(step: str) -> Iterator[None]:
 def _one_line(error: Exception) -> str:
     """Return MeshLab's words without its line breaks and its invitation to report a bug."""
     words = " ".join(str(error).split())
-    words = words.partition(" (#define PYBIND11")[0]
+    words = REPEATED.sub("", words.partition(" (#define PYBIND11")[0])
     if words.startswith("Something really bad happened"):
         return "MeshLab failed without naming a reason; check the input of the filter"
     return words.rstrip(" .;") or f"MeshLab raised {type(error).__name__} without a reason"

@@ -125,6 +125,57 @@ def test_without_a_plane_the_shipped_script_closes_what_was_measured(run, lopsid
     assert np.array_equal(closed.faces, plain.faces)
 
 
+def test_a_lenient_run_passes_over_steps_and_says_so(run, statue, tmp_path):
+    script = tmp_path / "s.mlx"
+    script.write_text(
+        '<FilterScript>\n<filter name="No Such Filter"/>\n'
+        '<filter name="Remove Unreferenced Vertices"/>\n</FilterScript>\n'
+    )
+    words = ("run", script, statue, "-o", tmp_path / "a.ply", "--json", tmp_path / "r.json")
+    refused = run(*words)
+    assert refused.exit_code == 1
+    assert refused.stderr.startswith(f"error: {script}:2: no filter is called 'No Such Filter'")
+    result = run(*words, "--lenient")
+    assert result.exit_code == 0, result.stderr
+    assert f"{script}:2: skipped 'No Such Filter'" in result.stdout
+    assert "2 steps (2 skipped) in" in result.stdout
+    report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    assert [step["status"] for step in report["steps"]] == ["skipped", "skipped"]
+    assert "every point would be deleted" in report["steps"][1]["notes"][0]
+    kept = read_layer(load(tmp_path / "a.ply"), 0).points
+    assert np.array_equal(kept, read_layer(load(statue), 0).points)
+
+
+def test_a_strict_run_wants_a_script_of_today(run, statue, tmp_path):
+    script = tmp_path / "s.mlx"
+    script.write_text('<FilterScript>\n<filter name="Compact vertices"/>\n</FilterScript>\n')
+    assert run("run", script, statue, "-o", tmp_path / "a.ply").exit_code == 0
+    result = run("run", script, statue, "-o", tmp_path / "b.ply", "--strict")
+    assert result.exit_code == 1
+    assert f"{script}:2: MeshLab does this by itself today" in result.stderr
+    assert not (tmp_path / "b.ply").exists()
+    both = run("run", script, statue, "-o", tmp_path / "b.ply", "--strict", "--lenient")
+    assert both.exit_code == 2
+
+
+def test_a_child_process_gives_the_same_bytes(run, statue, tmp_path):
+    script = tmp_path / "s.mlx"
+    script.write_text(
+        '<FilterScript><filter name="Compute normals for point sets"/></FilterScript>'
+    )
+    for name, options in (("a.ply", []), ("b.ply", ["--isolate"])):
+        result = run("run", script, statue, "-o", tmp_path / name, *options)
+        assert result.exit_code == 0, result.stderr
+    assert (tmp_path / "a.ply").read_bytes() == (tmp_path / "b.ply").read_bytes()
+
+
+def test_all_layers_are_saved_as_a_project(run, statue, lopsided, tmp_path):
+    (tmp_path / "s.mlx").write_text("<FilterScript/>")
+    result = run("run", tmp_path / "s.mlx", statue, lopsided, "-o", tmp_path / "all.mlp")
+    assert result.exit_code == 0, result.stderr
+    assert len(list(tmp_path.glob("all-*.ply"))) == 2
+
+
 @pytest.mark.parametrize("words", [["a.mlx"], ["a.mlx", "b.ply"], []])
 def test_wrong_usage_is_2(run, words):
     assert run("run", *words).exit_code == 2
@@ -139,3 +190,24 @@ def test_missing_script_and_overwritten_script(run, statue, tmp_path):
     result = run("run", script, statue, "-o", tmp_path / "a.ply", "--json", script)
     assert result.exit_code == 1
     assert script.read_text() == "<FilterScript/>"
+
+
+@pytest.mark.parametrize("isolated", [[], ["--isolate"]])
+def test_everything_that_a_step_measures_is_in_the_report(run, lopsided, tmp_path, isolated):
+    (tmp_path / "s.mlx").write_text(
+        '<FilterScript><filter name="Convex Hull"/><xmlfilter name="Compute Geometric Measures"/>'
+        "</FilterScript>"
+    )
+    result = run(
+        "run", tmp_path / "s.mlx", lopsided, "-o", tmp_path / "a.ply",
+        "--json", tmp_path / "r.json", *isolated,
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    measures = report["steps"][1]["measures"]
+    points = read_layer(load(lopsided), 0).points
+    np.testing.assert_allclose(measures["bbox"]["min"], points.min(axis=0))
+    np.testing.assert_allclose(measures["bbox"]["max"], points.max(axis=0))
+    assert measures["mesh_volume"] > 0
+    assert np.shape(measures["inertia_tensor"]) == (3, 3)
+    assert "mesh_volume:" in result.stdout

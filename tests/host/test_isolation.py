@@ -13,6 +13,7 @@ import pytest
 from meshlab_symrecon.errors import FileError, HostError, ScriptError, SymReconWarning
 from meshlab_symrecon.host.atomic import remove_staging, replacing
 from meshlab_symrecon.host.file_job import run_on_files
+from meshlab_symrecon.host.filter_script import FilterScript
 from meshlab_symrecon.plugin.filter import silent
 
 PLUGIN = Path(__file__).parents[1] / "foreign_plugin" / "crashing_filter.py"
@@ -114,3 +115,33 @@ def test_only_what_the_crashed_process_staged_is_removed(tmp_path):
     with replacing(tmp_path / "out.txt") as staged:
         staged.write_text("whole")
     assert (tmp_path / "out.txt").read_text() == "whole"
+
+
+def test_a_script_that_crashes_on_a_copy_leaves_the_document_alone(tmp_path, crashing_plugin):
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_sphere(subdiv=2)
+    mesh_set.create_cube()
+    mesh_set.set_current_mesh(0)
+    before = mesh_set.mesh(0).vertex_matrix()
+    script = FilterScript.read(script_of(tmp_path, HALVE, CRASH))
+    with pytest.raises(HostError, match=r"scan.mlx:3: 'Crash Here'.* by SIGSEGV"):
+        script.run(mesh_set, isolate=True)
+    np.testing.assert_array_equal(mesh_set.mesh(0).vertex_matrix(), before)
+    told = []
+    report = script.without_step(1).run(
+        mesh_set, isolate=True, progress=lambda fraction, message: told.append(fraction)
+    )
+    assert [step.status for step in report.steps] == ["ran"]
+    np.testing.assert_allclose(mesh_set.mesh(0).vertex_matrix(), before / 2, rtol=1e-7)
+    assert mesh_set.mesh(1).bounding_box().diagonal() == pytest.approx(3**0.5)
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+
+
+def test_a_script_on_an_empty_document_is_tried_as_well(tmp_path):
+    script = FilterScript().with_step("create_cube", size=2.0)
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    script.run(mesh_set, isolate=True)
+    assert mesh_set.current_mesh().vertex_number() == 8
+    with pytest.raises(ScriptError, match=r"step 1: .*at least one mesh"):
+        FilterScript().with_step("Close Holes").run(pymeshlab.MeshSet(verbose=False), isolate=True)

@@ -73,6 +73,56 @@ def test_a_script_without_steps_is_a_script(tmp_path):
     assert read_script(str(path)) == Script(path, ())
 
 
+A_STEP = '<filter name="größe"><Param type="RichInt" name="n" value="1"/></filter>'
+SAME_SCRIPT = {
+    "blank lines before the first of XML": '\n \n<?xml version="1.0" encoding="UTF-8"?>\n{}',
+    "blank lines before the document type": "\n\n<!DOCTYPE FilterScript>\n{}",
+    "comments everywhere": "<!-- a --><!DOCTYPE FilterScript><!-- b -->{}<!-- c -->",
+    "no document type": "{}",
+}
+
+
+@pytest.mark.parametrize("form", SAME_SCRIPT.values(), ids=SAME_SCRIPT)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+def test_forms_of_one_script(tmp_path, form, encoding):
+    content = form.format(f"<FilterScript> text {A_STEP} text</FilterScript>")
+    (step,) = read_script(written(tmp_path, content.encode(encoding))).steps
+    assert step == Step("größe", 0, (Param("n", 0, "RichInt", "1"),))
+    assert step.line == content.count("\n") + 1
+
+
+@pytest.mark.parametrize(
+    ("encoding", "declared"),
+    [("utf-16", "utf-16"), ("latin-1", "ISO-8859-1"), ("cp1252", "windows-1252")],
+)
+def test_encodings(tmp_path, encoding, declared):
+    content = f'<?xml version="1.0" encoding="{declared}"?><FilterScript>{A_STEP}</FilterScript>'
+    (step,) = read_script(written(tmp_path, content.encode(encoding))).steps
+    assert step.name == "größe"
+
+
+def test_tags_in_any_case_and_parameters_of_either_kind(tmp_path):
+    path = written(
+        tmp_path,
+        "<filterscript><FILTER name='a'><param name='n' value='1' type='RichInt' shape='round'/>"
+        "<xmlparam name='m' value='2'/></FILTER><XmlFilter name='b'><Param name='o' value='3'/>"
+        "</XmlFilter></filterscript>",
+    )
+    first, second = read_script(path).steps
+    assert [(known.name, known.rich_type, known.text) for known in first.parameters] == [
+        ("n", "RichInt", "1"),
+        ("m", "", "2"),
+    ]
+    assert first.parameters[0].attributes == {"shape": "round"}
+    assert (first.from_xml_plugin, second.from_xml_plugin) == (False, True)
+    assert second.parameters == (Param("o", 0, "", "3"),)
+
+
+def test_a_parameter_that_is_given_twice_alike_is_read_once(tmp_path):
+    path = written(tmp_path, inside("<Param name='n' value='1'/><Param name='n ' value='1'/>"))
+    assert read_script(path).steps[0].parameters == (Param("n", 0, "", "1"),)
+
+
 def inside(parameters: str) -> str:
     return f"<FilterScript><filter name='a'>{parameters}</filter></FilterScript>"
 
@@ -101,13 +151,14 @@ STOLEN = """<!DOCTYPE FilterScript [<!ENTITY a SYSTEM "file:///etc/passwd">]>
         ("<FilterScript>\n<filter/></FilterScript>", 2, "has no name"),
         ("<FilterScript>\n<filter name=' '/></FilterScript>", 2, "has no name"),
         (inside("\n<Param type='RichInt' value='1'/>"), 2, "has no name"),
-        (inside("\n<Param name='n' value='1'/>"), 2, "'n' has no type"),
-        (inside("\n<xmlparam name='n' value='1'/>"), 2, "<xmlparam> has no place inside <filter>"),
+        (inside("\n<filter name='n'/>"), 2, "<filter> has no place inside <filter>"),
         (
-            inside("<Param type='RichInt' name='n'/>\n<Param type='RichInt' name='N'/>"),
+            inside("<Param type='RichInt' name='n' value='1'/>\n<Param name='N' value='2'/>"),
             2,
-            "'N' is given twice",
+            "'N' is given twice, with different values; keep one",
         ),
+        ("\n\n<?xml version='1.0'?>\n<FilterScript><filter/></FilterScript>", 4, "has no name"),
+        ("\r\n \r\n<?xml version='1.0'?>\r\n<FilterScript>", 4, "not XML: no element found"),
         (
             inside("<Param type='RichInt' name='n'>\n<Param/></Param>"),
             2,

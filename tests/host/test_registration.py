@@ -313,11 +313,14 @@ def test_an_unknown_name_of_the_package_is_an_attribute_error():
         meshlab_symrecon.load_plugin()
 
 
-def test_scripts_are_handed_to_the_runner_of_scripts(monkeypatch, cloud_set):
-    from types import SimpleNamespace
-
+def test_the_package_runs_scripts(tmp_path, cloud_set):
     heard = []
-    runner = SimpleNamespace(run_script=lambda *given, progress: heard.append((*given, progress)))
-    monkeypatch.setitem(__import__("sys").modules, "meshlab_symrecon.host.script", runner)
-    meshlab_symrecon.apply_filter_script(cloud_set, "a.mlx", progress=print)
-    assert heard == [(cloud_set, "a.mlx", print)]
+    (tmp_path / "a.mlx").write_text(
+        '<FilterScript><filter name="Compute normals for point sets"/></FilterScript>'
+    )
+    report = meshlab_symrecon.apply_filter_script(
+        cloud_set, tmp_path / "a.mlx", progress=lambda *what: heard.append(what)
+    )
+    assert [step.filter for step in report.steps] == ["compute_normal_for_point_clouds"]
+    assert cloud_set.current_mesh().vertex_normal_matrix().any()
+    assert heard[-1] == (1.0, "done")

@@ -17,11 +17,10 @@ from meshlab_symrecon.errors import (
     SymReconWarning,
     UnknownFilterError,
 )
-from meshlab_symrecon.host import old_names, resolution
+from meshlab_symrecon.host import filter_names, resolution
 from meshlab_symrecon.host.mlx import read_script, step_of, write_script
 from meshlab_symrecon.host.native_filters import (
     find_native,
-    is_native,
     native_filters,
 )
 from meshlab_symrecon.host.native_values import NativeParameter
@@ -86,8 +85,8 @@ def sphere():
         (step(DECIMATION, param("TargetPerc", "nan")),
          "parameter 'targetperc' must be a number; got nan"),
         (step("Change the current layer"), "needs the parameter 'mesh'"),
-        (step("Change the current layer", param("layer", "1", "RichMesh")),
-         "unknown parameter 'layer' of 'Change the current layer'; known is 'mesh'"),
+        (step("Change the current layer", param("which", "1", "RichMesh")),
+         "unknown parameter 'which' of 'Change the current layer'; known is 'mesh'"),
         (step("Change the current layer", param("mesh", "-1", "RichMesh")),
          "parameter 'mesh' must be a layer's position; got -1"),
     ],
@@ -299,17 +298,6 @@ def test_positions_without_a_layer_are_no_crash(tmp_path, install, grow_filter, 
         run_script(sphere, path)
 
 
-@pytest.mark.parametrize("name", sorted(old_names.OLD_NAMES))
-def test_every_old_name_leads_to_a_filter_of_today(name):
-    old = old_names.OLD_NAMES[name]
-    assert not is_native(name)
-    if old.filter in (old_names.NOTHING, old_names.CHANGE_LAYER):
-        return
-    item = find_native(old.filter)
-    for today in (*old.values, *filter(None, old.parameters.values())):
-        assert item.find(today).name == today
-
-
 def test_old_names_and_parameters_are_mapped_and_told(tmp_path, sphere):
     path = written(
         tmp_path,
@@ -326,8 +314,7 @@ def test_old_names_and_parameters_are_mapped_and_told(tmp_path, sphere):
     assert second.filter == "no operation"
     assert third.notes[1:] == (
         "parameter 'toAll' is 'alllayers' today",
-        "parameter 'centerFlag' ignored: it is gone from 'Transform: Translate, Center, set "
-        "Origin'",
+        "parameter 'centerFlag' ignored: 'false' says nothing today",
     )
 
 
@@ -338,17 +325,57 @@ def test_values_that_old_names_stood_for(tmp_path, sphere):
     assert "'method' set to" in done.notes[1]
 
 
-def test_the_untyped_poisson_of_old_scripts_leaves_the_cloud_current(tmp_path, sphere):
+OLD_POISSON = (
+    '<xmlfilter name="Screened Poisson"><xmlparam name="depth" value="5"/>'
+    '<xmlparam name="threads" value="1"/></xmlfilter>'
+)
+NEW_POISSON = step(
+    "Surface Reconstruction: Screened Poisson",
+    param("depth", "5", "RichInt"), param("threads", "1", "RichInt"),
+)  # fmt: skip
+SAMPLES = step("Poisson-disk Sampling", param("SampleNum", "50", "RichInt"))
+
+
+@pytest.mark.parametrize(
+    ("maker", "label"),
+    [(OLD_POISSON, "Poisson mesh"), (NEW_POISSON, "Poisson mesh"),
+     (SAMPLES, "Poisson-disk Samples")],
+)  # fmt: skip
+def test_deleting_the_current_layer_after_making_one_deletes_the_old_one(
+    tmp_path, sphere, maker, label
+):
+    made, deleted = run_script(sphere, written(tmp_path, maker, step("Delete Current Mesh"))).steps
+    assert made.status == "mapped"
+    assert "stays current, as in the MeshLab of such scripts" in made.notes[-1]
+    assert deleted.status == "ran"
+    assert [mesh.label() for mesh in sphere] == [label]
+
+
+@pytest.mark.parametrize("maker", [OLD_POISSON, NEW_POISSON, SAMPLES])
+@pytest.mark.parametrize("after", ["", step("Compact vertices"), step("Rename Current Mesh")])
+def test_otherwise_a_new_layer_becomes_the_current_one(tmp_path, sphere, maker, after):
+    made = run_script(sphere, written(tmp_path, maker, after)).steps[0]
+    assert sphere.current_mesh_id() == 1
+    assert made.status == ("mapped" if maker == OLD_POISSON else "ran")
+
+
+def test_copies_are_made_and_deleted_as_written(tmp_path, sphere):
+    path = written(tmp_path, step("Duplicate Current layer"), step("Delete Current Mesh"))
+    run_script(sphere, path)
+    assert [mesh.label() for mesh in sphere] == ["Sphere"]
+
+
+def test_expressions_of_old_scripts_select_the_same(tmp_path, sphere):
     path = written(
         tmp_path,
-        '<xmlfilter name="Screened Poisson"><xmlparam name="depth" value="5"/>'
-        '<xmlparam name="threads" value="1"/></xmlfilter>',
-        step("Delete Current Mesh"),
-    )
-    poisson, _ = run_script(sphere, path).steps
-    assert poisson.filter == "generate_surface_reconstruction_screened_poisson"
-    assert "the cloud stays the current layer" in poisson.notes[-1]
-    assert [mesh.label() for mesh in sphere] == ["Poisson mesh"]
+        step("Conditional Vertex Selection", param("condSelect", "(x>0) and if(y>0, 1, z>0)",
+                                                   "RichString")),
+    )  # fmt: skip
+    (selected,) = run_script(sphere, path).steps
+    x, y, z = sphere.current_mesh().vertex_matrix().T
+    expected = (x > 0) & ((y > 0) | (z > 0))
+    np.testing.assert_array_equal(sphere.current_mesh().vertex_selection_array(), expected)
+    assert "is '(x>0) && ((y>0) ? (1) : (z>0))' today" in selected.notes[-1]
 
 
 def test_a_cloud_is_not_deleted_by_cleaning(tmp_path, cloud_set):
@@ -393,8 +420,8 @@ def test_files_that_a_script_reads_are_looked_for_first(tmp_path, monkeypatch, i
     reader = replace(
         find_native("meshing_close_holes"), menu_name="Read File", parameters=parameters
     )
-    monkeypatch.setattr(resolution, "is_native", lambda name: name == "Read File")
-    monkeypatch.setattr(resolution, "find_native", lambda name: reader)
+    monkeypatch.setattr(filter_names, "is_native", lambda name: name == "Read File")
+    monkeypatch.setattr(filter_names, "find_native", lambda name: reader)
     path = written(
         tmp_path, step("Grow Points"), step("Read File", param("File", "no.ply", "RichOpenFile"))
     )
@@ -463,3 +490,12 @@ def test_any_filter_is_found_by_any_name(installed):
     assert find_any("close holes").python_name == "meshing_close_holes"
     with pytest.raises(UnknownFilterError, match="did you mean 'grow_points'"):
         find_any("grow_pionts")
+
+
+def test_what_meshlab_says_is_said_once(tmp_path, sphere):
+    path = written(tmp_path, step("Compute Area/Perimeter of selection"))
+    with pytest.raises(ScriptError) as caught:
+        run_script(sphere, path)
+    assert str(caught.value) == (
+        f"{path}:2: 'Compute Area/Perimeter of selection': Cannot apply: there is no face selection"
+    )

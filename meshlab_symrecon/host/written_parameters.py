@@ -1,0 +1,104 @@
+"""Parameters of native steps, as scripts of any version write them, matched with those of today."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.host.expressions import modern_expression
+from meshlab_symrecon.host.findings import Findings
+from meshlab_symrecon.host.mlx import Param
+from meshlab_symrecon.host.native_filters import NativeFilter
+from meshlab_symrecon.host.native_values import NativeParameter, parse_native
+from meshlab_symrecon.host.old_names import Change, change_of_parameter
+from meshlab_symrecon.host.translation import script_name_in_python
+from meshlab_symrecon.host.written_values import value_of
+
+__all__ = ["values_of"]
+
+CAMERA = "RichShotf"
+
+
+def values_of(item: NativeFilter, written: Param, findings: Findings) -> dict[str, Any]:
+    """Return what a written parameter is today: no value, one, or several, by Python names.
+
+    What was mapped or ignored is noted in ``findings``.
+
+    Raises
+    ------
+    ParameterError
+        It is none of the filter's, of today or of older versions, or its value is none.
+    """
+    try:
+        parameter = item.find(written.name)
+    except ParameterError:
+        name = script_name_in_python(written.name.strip())
+        change = change_of_parameter(item.python_name, name)
+        if change is None:
+            raise
+        return _changed(item, written, change, findings)
+    return _read(item, parameter, written, findings)
+
+
+def _read(
+    item: NativeFilter, parameter: NativeParameter, written: Param, findings: Findings
+) -> dict[str, Any]:
+    if parameter.rich_type == CAMERA:
+        camera = f"parameter '{written.name}' ignored: pymeshlab takes no camera from outside"
+        findings.note(written.line, camera)
+        return {}
+    value, note = value_of(parameter, written)
+    if note:
+        findings.note(written.line, note)
+    if _is_expression(item, parameter):
+        value = _of_today(written, value, findings)
+    return {parameter.name: value}
+
+
+def _is_expression(item: NativeFilter, parameter: NativeParameter) -> bool:
+    evaluates = any(words in item.python_name for words in ("_by_function", "_by_condition"))
+    return parameter.rich_type == "RichString" and (evaluates or parameter.name.endswith("expr"))
+
+
+def _of_today(written: Param, expression: str, findings: Findings) -> str:
+    today = modern_expression(expression)
+    if today != expression:
+        findings.note(written.line, f"'{expression}' of '{written.name}' is '{today}' today")
+    return today
+
+
+def _changed(
+    item: NativeFilter, written: Param, change: Change, findings: Findings
+) -> dict[str, Any]:
+    """Return the values of today for a parameter of old; say what became of it."""
+    if change.factors:
+        return _split(item, written, change, findings)
+    if not change.to:
+        reason = change.note or f"it is gone from '{item.menu_name}'"
+        findings.note(written.line, f"parameter '{written.name}' ignored: {reason}")
+        return {}
+    parameter = item.find(change.to)
+    if not change.values:
+        findings.note(written.line, f"parameter '{written.name}' is '{parameter.name}' today")
+        return _read(item, parameter, written, findings)
+    old = NativeParameter(written.name, written.name, "RichBool")
+    word = str(value_of(old, written)[0]).lower()
+    text = change.values[word]
+    if text is None:
+        gone = f"parameter '{written.name}' ignored: '{word}' says nothing today"
+        findings.note(written.line, gone)
+        return {}
+    meaning = f"'{word}' of parameter '{written.name}' is '{text}' of '{parameter.name}' today"
+    findings.note(written.line, meaning)
+    return {parameter.name: parse_native(parameter, text)}
+
+
+def _split(
+    item: NativeFilter, written: Param, change: Change, findings: Findings
+) -> dict[str, Any]:
+    parameters = [item.find(name) for name in change.factors]
+    number, _ = value_of(parameters[0], written)
+    values = {known.name: number * change.factors[known.name] for known in parameters}
+    listed = " and ".join(f"'{name}' {value:g}" for name, value in values.items())
+    findings.note(written.line, f"parameter '{written.name}' is {listed} today")
+    return values
