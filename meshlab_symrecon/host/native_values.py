@@ -101,7 +101,7 @@ def parse_native(parameter: NativeParameter, text: str) -> Any:
             raise _refusal(parameter, text)
         return WORDS_OF_BOOLEANS[trimmed.lower()]
     if kind == "RichEnum":
-        return _word(parameter, int(trimmed) if trimmed.isdecimal() else trimmed)
+        return _word(parameter, int(trimmed) if re.fullmatch("[0-9]+", trimmed) else trimmed)
     try:
         return checked_value(parameter, _parsed_numbers(kind, trimmed))
     except ParameterError:
@@ -111,6 +111,8 @@ def parse_native(parameter: NativeParameter, text: str) -> Any:
 
 
 def _parsed_numbers(kind: str, text: str) -> object:
+    if "_" in text or not text.isascii():  # Python reads 1_000 and digits of every language
+        raise ValueError(text)
     if kind == "RichColor" and text.startswith("#"):
         return [int(text[start : start + 2], 16) for start in range(1, len(text), 2)]
     if kind in _NUMBERS_IN or kind == "RichColor":

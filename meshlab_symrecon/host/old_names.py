@@ -68,6 +68,10 @@ class Change:
         What its values are today, None for one that says nothing today; all others stay.
     factors : mapping of str to float
         The parameters of today among which it was split: its number is multiplied.
+    also : mapping of str to str
+        Values of other parameters of today that it implied.
+    unless_file : str
+        Python name of a parameter: nothing is implied where it names a file that is there.
     note : str
         What to do now that it is gone.
     """
@@ -75,6 +79,8 @@ class Change:
     to: str = ""
     values: Mapping[str, str | None] = field(default_factory=dict)
     factors: Mapping[str, float] = field(default_factory=dict)
+    also: Mapping[str, str] = field(default_factory=dict)
+    unless_file: str = ""
     note: str = ""
 
 

@@ -188,7 +188,7 @@ def _resolved_native(
         findings.note(step.line, meaning)
     for written in step.parameters:
         with findings.at(written.line, IGNORE):
-            values |= values_of(item, written, findings)
+            values |= values_of(item, step, written, findings)
     layers = (known.name for known in item.parameters if known.rich_type == LAYER)
     return ResolvedStep(step, item, values, tuple(name for name in layers if name in values))
 

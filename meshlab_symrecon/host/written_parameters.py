@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.host.expressions import modern_expression
 from meshlab_symrecon.host.findings import Findings
-from meshlab_symrecon.host.mlx import Param
+from meshlab_symrecon.host.mlx import Param, Step
 from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.native_values import NativeParameter, parse_native
 from meshlab_symrecon.host.old_names import Change, change_of_parameter
@@ -22,7 +23,7 @@ TEXTURE = "textname"
 MAKE_TEXTURES = ("compute_texmap_from_color", "transfer_attributes_to_texture_per_vertex")
 
 
-def values_of(item: NativeFilter, written: Param, findings: Findings) -> dict[str, Any]:
+def values_of(item: NativeFilter, step: Step, written: Param, findings: Findings) -> dict[str, Any]:
     """Return what a written parameter is today: no value, one, or several, by Python names.
 
     What was mapped or ignored is noted in ``findings``.
@@ -39,8 +40,23 @@ def values_of(item: NativeFilter, written: Param, findings: Findings) -> dict[st
         change = change_of_parameter(item.python_name, name)
         if change is None:
             raise
-        return _changed(item, written, change, findings)
+        implied = _implied(item, step, written, change, findings)
+        return implied | _changed(item, written, change, findings)
     return _read(item, parameter, written, findings)
+
+
+def _implied(
+    item: NativeFilter, step: Step, written: Param, change: Change, findings: Findings
+) -> dict[str, Any]:
+    named = (known.text or "" for known in step.parameters
+             if script_name_in_python(known.name.strip()) == change.unless_file)  # fmt: skip
+    if Path(next(named, "")).is_file():
+        return {}
+    values = {name: parse_native(item.find(name), text) for name, text in change.also.items()}
+    for name, value in values.items():
+        meaning = f"'{name}' set to {value!r}, which parameter '{written.name}' stood for"
+        findings.note(written.line, meaning)
+    return values
 
 
 def _read(

@@ -20,6 +20,7 @@ __all__ = ["LAYER", "value_of"]
 
 LAYER, INPUT_FILE = "RichMesh", "RichOpenFile"
 WHOLE = ("RichInt", LAYER)
+FRACTIONS = ("RichFloat", "RichDynamicFloat", "RichAbsPerc")
 WORD = re.compile(r"enum_val(\d+)")
 
 
@@ -41,6 +42,8 @@ def value_of(parameter: NativeParameter, written: Param) -> tuple[Any, str]:
     elif parameter.rich_type in WHOLE:
         text = _without_fraction(text)
     value = parse_native(parameter, text)
+    if parameter.rich_type in FRACTIONS and "," in text:
+        note = f"'{text.strip()}' of parameter '{written.name}' is read with a decimal comma"
     if parameter.rich_type == LAYER and value < 0:
         raise ParameterError(f"parameter '{written.name}' must be a layer's position; got {value}")
     if parameter.rich_type == INPUT_FILE and not Path(value).is_file():
@@ -111,4 +114,4 @@ def _number(text: str) -> int | None:
     plain = text.strip().lower()
     if plain in ("true", "false"):
         return int(plain == "true")
-    return int(plain.partition(".")[0]) if re.fullmatch(r"\+?\d+(\.0*)?", plain) else None
+    return int(plain.partition(".")[0]) if re.fullmatch(r"\+?[0-9]+(\.0*)?", plain) else None
