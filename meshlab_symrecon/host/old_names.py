@@ -7,7 +7,7 @@ of today that they belong to (``*``: of any), and filters that are gone.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
@@ -74,6 +74,9 @@ class Change:
         Python name of a parameter: nothing is implied where it names a file that is there.
     note : str
         What to do now that it is gone.
+    then : sequence of two str
+        The filter that does today what it stood for, after its own, and the parameter of that
+        filter that takes its value; empty for most.
     """
 
     to: str = ""
@@ -82,6 +85,7 @@ class Change:
     also: Mapping[str, str] = field(default_factory=dict)
     unless_file: str = ""
     note: str = ""
+    then: Sequence[str] = ()
 
 
 def bare_name(name: str) -> str:

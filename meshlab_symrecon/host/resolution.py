@@ -16,7 +16,7 @@ from meshlab_symrecon.host.native_filters import NativeFilter, find_native
 from meshlab_symrecon.host.native_values import NativeParameter, parse_native
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING, OldName, find_old_name
 from meshlab_symrecon.host.translation import script_name_in_python
-from meshlab_symrecon.host.written_parameters import values_of
+from meshlab_symrecon.host.written_parameters import filter_after, values_of
 from meshlab_symrecon.host.written_values import LAYER, value_of
 from meshlab_symrecon.plugin import Filter
 from meshlab_symrecon.plugin.parameters import Kind
@@ -43,6 +43,8 @@ class ResolvedStep:
         What was mapped or ignored, and why.
     keeps_current : bool
         The layer that it works on stays the current one, whatever layer it makes.
+    then : tuple of str and mapping, or None
+        Python name and values of the filter that runs after it, for what an old parameter did.
     """
 
     step: Step
@@ -51,6 +53,7 @@ class ResolvedStep:
     layers: tuple[str, ...] = ()
     notes: tuple[Finding, ...] = ()
     keeps_current: bool = False
+    then: tuple[str, Mapping[str, Any]] | None = None
 
     @property
     def python_name(self) -> str:
@@ -189,8 +192,12 @@ def _resolved_native(
     for written in step.parameters:
         with findings.at(written.line, IGNORE):
             values |= values_of(item, step, written, findings)
+    then = None
+    with findings.at(step.line, IGNORE):
+        then = filter_after(item, step)
     layers = (known.name for known in item.parameters if known.rich_type == LAYER)
-    return ResolvedStep(step, item, values, tuple(name for name in layers if name in values))
+    named = tuple(name for name in layers if name in values)
+    return ResolvedStep(step, item, values, named, then=then)
 
 
 def _resolved_change(step: Step, findings: Findings) -> ResolvedStep:

@@ -228,6 +228,8 @@ def _applied(mesh_set: Any, resolved: ResolvedStep, progress: Progress) -> Mappi
         raise GeometryError(message)
     before = current_identifier(mesh_set)
     measures = apply_native(mesh_set, name, values)
+    if resolved.then is not None:
+        measures |= apply_native(mesh_set, *resolved.then)
     if resolved.keeps_current and mesh_set.mesh_id_exists(before):
         mesh_set.set_current_mesh(before)
     return measures

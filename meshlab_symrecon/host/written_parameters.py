@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,13 +11,13 @@ from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.host.expressions import modern_expression
 from meshlab_symrecon.host.findings import Findings
 from meshlab_symrecon.host.mlx import Param, Step
-from meshlab_symrecon.host.native_filters import NativeFilter
+from meshlab_symrecon.host.native_filters import NativeFilter, find_native
 from meshlab_symrecon.host.native_values import NativeParameter, parse_native
 from meshlab_symrecon.host.old_names import Change, change_of_parameter
 from meshlab_symrecon.host.translation import script_name_in_python
 from meshlab_symrecon.host.written_values import value_of
 
-__all__ = ["values_of"]
+__all__ = ["filter_after", "values_of"]
 
 CAMERA = "RichShotf"
 TEXTURE = "textname"
@@ -57,6 +58,23 @@ def _implied(
         meaning = f"'{name}' set to {value!r}, which parameter '{written.name}' stood for"
         findings.note(written.line, meaning)
     return values
+
+
+def filter_after(item: NativeFilter, step: Step) -> tuple[str, Mapping[str, Any]] | None:
+    """Return the filter, and its values, that does today what an old parameter stood for.
+
+    Raises
+    ------
+    ParameterError
+        The value of that parameter is none.
+    """
+    for written in step.parameters:
+        change = change_of_parameter(item.python_name, script_name_in_python(written.name.strip()))
+        if change is not None and change.then:
+            name, taking = change.then
+            parameter = find_native(name).find(taking)
+            return name, {parameter.name: value_of(parameter, written)[0]}
+    return None
 
 
 def _read(
@@ -111,6 +129,10 @@ def _changed(
     """Return the values of today for a parameter of old; say what became of it."""
     if change.factors:
         return _split(item, written, change, findings)
+    if change.then:
+        words = f"'{find_native(change.then[0]).menu_name}', which runs after this filter"
+        findings.note(written.line, f"parameter '{written.name}' is {words}")
+        return {}
     if not change.to:
         reason = change.note or f"it is gone from '{item.menu_name}'"
         findings.note(written.line, f"parameter '{written.name}' ignored: {reason}")

@@ -259,8 +259,8 @@ HERE = "scan.mlx:7: "
             "compute_selection_by_condition_per_vertex",
             {"condselect": "(x < 0)"},
             [
-                HERE + "parameter 'strictSelect' ignored: today it selects vertices only; put "
-                "'Select Faces from Vertices' after it where faces are meant"
+                HERE + "parameter 'strictSelect' is 'Select Faces from Vertices', which runs after "
+                "this filter"
             ],
         ),
         (

@@ -499,3 +499,27 @@ def test_what_meshlab_says_is_said_once(tmp_path, sphere):
     assert str(caught.value) == (
         f"{path}:2: 'Compute Area/Perimeter of selection': Cannot apply: there is no face selection"
     )
+
+
+@pytest.mark.parametrize(("strict", "corners"), [("true", 3), ("false", 1)])
+def test_a_selection_of_vertices_selected_faces_too_in_old_scripts(
+    tmp_path, sphere, strict, corners
+):
+    path = written(
+        tmp_path,
+        step("Conditional Vertex Selection", param("condSelect", "x > 0", "RichString"),
+             param("strictSelect", strict, "RichBool")),
+        step("Delete Selected Faces and Vertices"),
+    )  # fmt: skip
+    mesh = sphere.current_mesh()
+    inside = (mesh.vertex_matrix()[:, 0] > 0)[mesh.face_matrix()].sum(axis=1)
+    selected, _ = run_script(sphere, path).steps
+    assert selected.status == "mapped"
+    assert sphere.current_mesh().face_number() == np.count_nonzero(inside < corners)
+    assert 0 < np.count_nonzero(inside < corners) < len(inside)
+    broken = written(
+        tmp_path,
+        step("Conditional Vertex Selection", param("strictSelect", "maybe", "RichBool")),
+    )
+    with pytest.raises(ScriptError, match=r"'strictSelect'|'inclusive' must be true or false"):
+        run_script(sphere, broken)
