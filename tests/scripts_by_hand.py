@@ -463,6 +463,19 @@ def boolean_all(ms: Any) -> Measures:
     return [union, common]
 
 
+def boolean_2009(ms: Any) -> Measures:
+    ms.generate_boolean_intersection(first_mesh=1, second_mesh=0)
+    return []
+
+
+def quality_mapper_2011(ms: Any) -> Measures:
+    ms.compute_scalar_by_function_per_vertex(q="z")
+    ms.compute_color_from_scalar_using_transfer_function_per_vertex(
+        minqualityval=-1, maxqualityval=1, midhandlepos=50, brightness=1, tfslist="RGB"
+    )
+    return []
+
+
 def transfer_colours(ms: Any) -> Measures:
     ms.transfer_attributes_per_vertex(
         sourcemesh=0, targetmesh=1, geomtransfer=False, normaltransfer=False, colortransfer=True,
@@ -571,13 +584,13 @@ BY_HAND: dict[str, Callable[[Any], Measures]] = {
         turn_about_axis, set_matrix, flip_and_swap, compare_scans, boolean_all,
         transfer_colours, paint_by_points, morph, slice, slice_2015, crease_lines,
         custom_attributes, python_names, untyped, blanks_and_cases, enum_by_word, percentages,
-        latin1, nothing_to_do,
+        latin1, nothing_to_do, boolean_2009, quality_mapper_2011,
     )
 }  # fmt: skip
 
 # MeshLab numbers the cells of a clustering, and cuts plane faces of a boolean into triangles, in
 # an order that changes from run to run.
-SAME_SHAPE = ("decimate_clustering", "percentages", "boolean_all")
+SAME_SHAPE = ("decimate_clustering", "percentages", "boolean_all", "boolean_2009")
 ROUNDING = 1e-12
 
 

@@ -236,7 +236,7 @@ def mistaken() -> Iterator[tuple[str, str, int, str]]:
     for value in ("Mean", "99", "-1", "Mean Curvature "[::-1], ""):
         bad = wrong("Discrete Curvatures", param("CurvatureType", value, "RichEnum"))
         yield f"{value!r} for a choice", bad, 4, "must be one of 'Mean Curvature'"
-    for value in ("wide", "nan", "1e999", "5%%"):
+    for value in ("wide", "nan", "1e999", "5%%", "-5%", "101%", "nan%", "%"):
         bad = wrong("Merge Close Vertices", param("Threshold", value, "RichAbsPerc"))
         yield f"{value!r} for a length", bad, 4, "must be a length"
     for attributes in ('r="1" g="2"', 'r="256" g="0" b="0"', 'r="red" g="0" b="0" a="0"', ""):
