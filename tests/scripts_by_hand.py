@@ -1,4 +1,4 @@
-"""What a person would write with pymeshlab for the scripts of the corpus; nothing of ours in it.
+"""What a person would write with pymeshlab for the scripts of the corpus.
 
 Each function runs on a document and returns, in order, what its filters measured.
 """
@@ -587,6 +587,45 @@ BY_HAND: dict[str, Callable[[Any], Measures]] = {
         latin1, nothing_to_do, boolean_2009, quality_mapper_2011,
     )
 }  # fmt: skip
+
+# The same with the methods that load_plugins gives to every MeshSet.
+
+
+def statue_by_alias(ms: Any) -> None:
+    ms.generate_simplified_points(count=300)
+    ms.power_crust_reconstruct(surface="interpolating", smallestball=0.0)
+    ms.get_geometric_measures()
+
+
+def statue_from_scan(ms: Any) -> None:
+    ms.compute_normal_for_point_clouds()
+    ms.detect_reflection_planes()
+    ms.mirror_complete_points(gap=1.5)
+    ms.generate_surface_reconstruction_power_crust(paint=True)
+    ms.apply_coord_laplacian_smoothing(stepsmoothnum=1)
+    ms.get_topological_measures()
+
+
+def select_and_detect(ms: Any) -> None:
+    ms.compute_normal_for_point_clouds()
+    ms.compute_selection_by_condition_per_vertex(condselect="z > -0.6")
+    ms.generate_reflection_planes(maxplanes=1, onlyselected=True)
+    ms.set_selection_none()
+    ms.generate_mirror_completed_points()
+    ms.set_mesh_name(newname="whole statue")
+
+
+def deviation_in_colours(ms: Any) -> None:
+    ms.compute_normal_for_point_clouds()
+    ms.generate_reflection_planes(maxplanes=1)
+    ms.mirror_symmetry_deviation(planes=1, plane=0)
+    ms.compute_color_from_scalar_per_vertex(zerosym=True, perc=2)
+
+
+WITH_PLUGINS: dict[str, Callable[[Any], None]] = {
+    function.__name__: function
+    for function in (statue_by_alias, statue_from_scan, select_and_detect, deviation_in_colours)
+}
 
 # MeshLab numbers the cells of a clustering, and cuts plane faces of a boolean into triangles, in
 # an order that changes from run to run.

@@ -10,8 +10,9 @@ import pytest
 from scripts.documents import DOCUMENTS
 from scripts.manifest import CASES, FOLDER, MAPPED, RAN, REFUSALS, RUNS
 from scripts.snapshots import assert_equal, assert_same_documents, snapshot
-from scripts_by_hand import BY_HAND, SAME_SHAPE, same_shape
+from scripts_by_hand import BY_HAND, SAME_SHAPE, WITH_PLUGINS, same_shape
 
+from meshlab_symrecon import load_plugins, unload_plugins
 from meshlab_symrecon.errors import ScriptError, SymReconWarning
 from meshlab_symrecon.host.mlx import read_script
 from meshlab_symrecon.host.script import run_script
@@ -131,6 +132,20 @@ def test_a_script_does_what_the_same_calls_of_pymeshlab_do(name):
     assert len(measures) == len(measured)
     for one, other in zip(measures, measured, strict=True):
         assert_equal(one, other, "measures")
+
+
+@pytest.mark.parametrize("name", WITH_PLUGINS)
+def test_a_mixed_script_does_what_the_same_methods_do(name):
+    document = DOCUMENTS[RUNS[name].document]
+    by_script, by_hand = document(), document()
+    ran(name, by_script)
+    load_plugins()
+    try:
+        with quietly():
+            WITH_PLUGINS[name](by_hand)
+    finally:
+        unload_plugins()
+    assert_same_documents(snapshot(by_script), snapshot(by_hand))
 
 
 def test_enough_scripts_are_compared_with_calls_by_hand():
