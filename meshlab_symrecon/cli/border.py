@@ -7,13 +7,13 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NoReturn
 
 import click
 
 from meshlab_symrecon.errors import SymReconError, SymReconWarning
 
-__all__ = ["DONE", "FAILED", "INTERRUPTED", "BorderGroup"]
+__all__ = ["DONE", "FAILED", "INTERRUPTED", "BorderGroup", "exit_with"]
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130  # 2 is click's, for wrong usage
 
@@ -36,9 +36,7 @@ class BorderGroup(click.Group):
                 args, prog_name, complete_var, standalone_mode=False, **extra
             )
 
-        with _warnings_as_sentences():
-            code = _guarded(call)
-        sys.exit(code)
+        exit_with(call)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; click itself would answer an interruption with an empty line."""
@@ -46,6 +44,13 @@ class BorderGroup(click.Group):
             return super().invoke(ctx)
         except KeyboardInterrupt as error:
             raise click.Abort from error
+
+
+def exit_with(call: Callable[[], Any]) -> NoReturn:
+    """Run a program and exit: with the number that it returns, or what its error stands for."""
+    with _warnings_as_sentences():
+        code = _guarded(call)
+    sys.exit(code)
 
 
 def _guarded(call: Callable[[], Any]) -> int:

@@ -57,9 +57,10 @@ def replacing(path: Path) -> Iterator[Path]:
     """Yield a path to write to; what was written there takes the place of ``path`` at the end.
 
     The path that is yielded has the same name, in a fresh directory beside the target, so that a
-    writer that looks at the extension, or that puts further files beside (materials, textures),
-    works as ever. The further files are moved first, the named one last. When the block fails or
-    is interrupted, nothing is left and an older file at ``path`` stays as it was.
+    writer that looks at the extension, or that puts further files beside (materials, textures,
+    also in folders), works as ever. Once all are whole the further files are moved, the named one
+    last. When the block fails or is interrupted, nothing is left and an older file at ``path``
+    stays as it was.
 
     Raises
     ------
@@ -91,13 +92,18 @@ def remove_staging(folder: Path, process: int) -> None:
 
 
 def _put_in_place(staging: Path, name: str, target: Path) -> None:
-    written = sorted(staging.iterdir(), key=lambda file: file.name == name)
-    if not written or written[-1].name != name:
+    named = staging / name
+    written = [file for file in sorted(staging.rglob("*")) if file.is_file() and file != named]
+    if not named.is_file():
         raise FileError(f"{target} cannot be written: the writer made no file; check free space")
-    for file in written:
+    places = {file: target.parent / file.relative_to(staging) for file in written}
+    for place in places.values():
+        place.parent.mkdir(parents=True, exist_ok=True)
+        check_target(place)
+    for file in (*written, named):
         _flush(file)
-    for file in written:
-        file.replace(target if file.name == name else target.parent / file.name)
+    for file, place in (*places.items(), (named, target)):
+        file.replace(place)
 
 
 def _flush(file: Path) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import locale
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +12,21 @@ import pymeshlab
 from meshlab_symrecon.errors import FileError, HostError
 from meshlab_symrecon.host import inspection
 from meshlab_symrecon.host.atomic import check_target, reason, replacing, same_file
-from meshlab_symrecon.host.meshset import add_layer, current_identifier, read_layer
+from meshlab_symrecon.host.copies import changed_copy, needs_wedges
+from meshlab_symrecon.host.exporting import export
+from meshlab_symrecon.host.formats import (
+    FACES_ONLY,
+    POINTS_ONLY,
+    WRITABLE,
+    Contents,
+    contents_of,
+    lost_in,
+)
+from meshlab_symrecon.host.importing import after_loading
+from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.translation import translated
-from meshlab_symrecon.plugin import Layer
 
 __all__ = [
     "READABLE",
@@ -35,22 +44,6 @@ READABLE = (
     "x3dv",
 )  # fmt: skip
 PLAIN = ("off", "xyz")  # MeshLab's readers of these do not crash, so no child process reads first
-WRITABLE: dict[str, tuple[str, ...]] = {
-    "ply": ("vertex_normal", "vertex_color", "vertex_quality", "face_color", "face_quality"),
-    "obj": ("vertex_normal", "vertex_color", "face_color"),
-    "off": ("vertex_normal", "vertex_color", "face_color"),
-    "stl": ("face_color",),
-    "xyz": ("vertex_normal",),
-    "3ds": (),
-    "3mf": (),
-    "dae": ("vertex_normal", "vertex_color"),
-    "dxf": (),
-    "e57": (),
-    "wrl": ("vertex_color",),
-    "x3d": ("vertex_normal", "vertex_color", "face_color"),
-}  # extension: what the format can hold beside points and faces, and what MeshLab may leave out
-FACES_ONLY = ("stl", "3ds", "dxf", "wrl")  # points outside faces are lost in these
-POINTS_ONLY = ("xyz", "e57")
 UNREPORTED = ("xyz", "3mf", "dae", "e57", "wrl", "x3d")  # exporters that hide a full disk
 
 
@@ -87,18 +80,21 @@ def load(path: str | Path, mesh_set: Any = None) -> Any:
     mesh_set = new_document() if mesh_set is None else mesh_set
     before = {mesh.id() for mesh in mesh_set}
     try:
-        with translated(f"{path} cannot be read"):
+        with translated(f"{path} cannot be read"), process_kept():
             mesh_set.load_new_mesh(str(path))
     except HostError as error:
         raise FileError(f"{error}; write or download it again") from error
-    loaded = [mesh.vertex_number() for mesh in mesh_set if mesh.id() not in before]
-    if sum(loaded) == 0:
+    new = [int(mesh.id()) for mesh in mesh_set if mesh.id() not in before]
+    loaded = sum(mesh_set.mesh(identifier).vertex_number() for identifier in new)
+    if loaded == 0:
         raise FileError(f"{path} holds no points; scan again or pick another file")
-    if announced is not None and sum(loaded) < announced:
+    if announced is not None and loaded < announced:
         warn_user(
-            f"{path}: {announced - sum(loaded)} of {announced} points have coordinates that are "
+            f"{path}: {announced - loaded} of {announced} points have coordinates that are "
             "not numbers; MeshLab left them out"
         )
+    for identifier in new:
+        after_loading(mesh_set, identifier, path)
     return mesh_set
 
 
@@ -199,8 +195,21 @@ def save_current(mesh_set: Any, path: str | Path) -> None:
         write_layer(mesh_set, identifier, path, staged)
 
 
-def write_layer(mesh_set: Any, identifier: int, path: Path, staged: Path) -> None:
-    """Write one layer to ``staged``, in world coordinates; ``path`` is what messages call it.
+def write_layer(
+    mesh_set: Any, identifier: int, path: Path, staged: Path, world: bool = True
+) -> None:
+    """Write one layer and the images of its textures to ``staged`` and beside it.
+
+    Parameters
+    ----------
+    mesh_set : pymeshlab.MeshSet
+    identifier : int
+    path : Path
+        Where the file will be, and what messages call it.
+    staged : Path
+        Where it is written first.
+    world : bool
+        Whether the layer's transform matrix goes into the coordinates; otherwise it is left out.
 
     Raises
     ------
@@ -210,72 +219,60 @@ def write_layer(mesh_set: Any, identifier: int, path: Path, staged: Path) -> Non
     Warns
     -----
     SymReconWarning
-        The format loses points that belong to no face.
+        The format loses something that the layer has.
     """
     extension = path.suffix.removeprefix(".").lower()
-    layer = read_layer(mesh_set, identifier)
-    _check_losses(layer, path, extension)
+    mesh = mesh_set.mesh(identifier)
     source, number = mesh_set, identifier
-    if not np.array_equal(mesh_set.mesh(identifier).transform_matrix(), np.eye(4)):
-        source = new_document()  # MeshLab's exporters drop the matrix
-        number = add_layer(source, layer, current=True)
-    held = {
-        "vertex_normal": layer.normals is not None,
-        "vertex_color": layer.colours is not None,
-        "vertex_quality": layer.quality is not None,
-        "face_color": layer.face_colours is not None,
-        "face_quality": layer.face_quality is not None,
-    }
-    options = {f"save_{what}": held[what] for what in WRITABLE[extension]}
-    before = current_identifier(source)
+    in_place = np.array_equal(mesh.transform_matrix(), np.eye(4)) or not world
     try:
-        with translated(f"{path} cannot be written"), _locale_kept():
-            source.set_current_mesh(number)
-            source.save_current_mesh(str(staged), **options)
+        contents = contents_of(mesh_set, identifier)
+        _check_losses(mesh, contents, path, extension)
+        if not in_place or needs_wedges(contents, extension):
+            source, number = changed_copy(mesh_set, identifier, world, extension)
+            contents = contents_of(source, number)
+        export(source, number, path, staged, contents)
     except HostError as error:
-        raise FileError(f"{error}; check free space and the format") from error
-    finally:
-        source.set_current_mesh(before)
-    _check_whole(layer, path, extension, staged)
+        told = str(error).removeprefix(f"{path} cannot be written: ")
+        message = f"{path} cannot be written: {told}; check free space and the format"
+        raise FileError(message) from error
+    _check_whole(contents, mesh, path, extension, staged)
 
 
-@contextmanager
-def _locale_kept() -> Iterator[None]:
-    """Undo what the 3MF exporter does: it sets the locale of the whole process to ``C``."""
-    before = locale.setlocale(locale.LC_ALL)
-    try:
-        yield
-    finally:
-        locale.setlocale(locale.LC_ALL, before)
-
-
-def _check_losses(layer: Layer, path: Path, extension: str) -> None:
-    if extension in POINTS_ONLY and len(layer.faces):
-        words = f"{path}: .{extension} holds points only, so {len(layer.faces)} faces were left out"
+def _check_losses(mesh: Any, contents: Contents, path: Path, extension: str) -> None:
+    if extension in POINTS_ONLY and contents.faces:
+        words = f"{path}: .{extension} holds points only, so {contents.faces} faces were left out"
         warn_user(f"{words}; write .ply to keep them")
-    lost = len(layer.points) - len(np.unique(layer.faces))
-    if extension not in FACES_ONLY or lost == 0:
-        return
-    words = f"{path}: .{extension} holds faces only, and {lost} points belong to no face"
-    if len(layer.faces) == 0:
-        raise FileError(f"{words}; write .ply instead")
-    warn_user(f"{words}, so they were left out; write .ply to keep them")
+    loose = contents.points - _in_faces(mesh) if extension in FACES_ONLY else 0
+    if loose:
+        words = f"{path}: .{extension} holds faces only, and {loose} points belong to no face"
+        if contents.faces == 0:
+            raise FileError(f"{words}; write .ply instead")
+        warn_user(f"{words}, so they were left out; write .ply to keep them")
+    lost = lost_in(contents, extension)
+    if lost:
+        warn_user(f"{path}: .{extension} cannot keep {', '.join(lost)}; write .ply to keep all")
 
 
-def _check_whole(layer: Layer, path: Path, extension: str, staged: Path) -> None:
+def _in_faces(mesh: Any) -> int:
+    """Return how many vertices belong to a face."""
+    return len(np.unique(mesh.face_matrix())) if mesh.face_number() else 0
+
+
+def _check_whole(contents: Contents, mesh: Any, path: Path, extension: str, staged: Path) -> None:
     """Read back what an exporter wrote that does not tell when the disk was full."""
     if extension not in UNREPORTED:
         return
     written = new_document()
     try:
-        with translated(f"{path} cannot be written"):
+        with translated(f"{path} cannot be written"), process_kept():
             written.load_new_mesh(str(staged))
         counts = [(mesh.vertex_number(), mesh.face_number()) for mesh in written]
     except HostError:
         counts = []
-    faces = 0 if extension in POINTS_ONLY else len(layer.faces)
+    faces = 0 if extension in POINTS_ONLY else contents.faces
     points_read, faces_read = (sum(column) for column in zip((0, 0), *counts, strict=True))
-    fewest = len(np.unique(layer.faces)) if len(layer.faces) and faces else len(layer.points)
+    fewest = _in_faces(mesh) if faces else contents.points
     if points_read < fewest or faces_read != faces:
         message = f"{path} cannot be written: the exporter did not finish; check free space"
         raise FileError(message)

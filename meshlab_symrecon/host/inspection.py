@@ -5,23 +5,15 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
 from meshlab_symrecon.errors import FileError
+from meshlab_symrecon.host.ply_header import damaged, read_header
 
 __all__ = ["check_obj", "check_ply", "check_stl", "try_in_child"]
 
-HEADER_LIMIT = 1 << 20  # bytes; comments included, no PLY header in use comes near
 CHUNK = 1 << 22  # bytes
-BYTES_OF = {
-    **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
-    **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
-    **dict.fromkeys(("int", "uint", "int32", "uint32", "float", "float32"), 4),
-    **dict.fromkeys(("double", "float64"), 8),
-}
-FORMATS = ("ascii", "binary_little_endian", "binary_big_endian")
 STL_HEADER, STL_TRIANGLE = 84, 50  # bytes
 # Only whether the process survives is asked; what the reader raises, the real load tells.
 TRIAL = (
@@ -29,17 +21,6 @@ TRIAL = (
     "try: pymeshlab.MeshSet(verbose=False).load_new_mesh(sys.argv[1])\n"
     "except Exception: pass\n"
 )
-
-
-@dataclass(slots=True)
-class _Element:
-    """One element of a PLY header: its count, and the least that each item takes."""
-
-    name: str
-    count: int
-    properties: list[str]
-    least_bytes: int = 0
-    least_words: int = 0
 
 
 def check_ply(path: Path) -> int:
@@ -50,73 +31,24 @@ def check_ply(path: Path) -> int:
     FileError
         The header is damaged, has no points with x, y and z, or announces more than the file holds.
     """
-    with path.open("rb") as file:
-        lines = _header_lines(path, file)
-        form, elements = _parsed_header(path, lines)
-        start = file.tell()
-        vertices = next((element for element in elements if element.name == "vertex"), None)
-        if vertices is None or not {"x", "y", "z"} <= set(vertices.properties):
-            raise _damaged(path, "its header declares no vertices with x, y and z")
-        if vertices.count == 0:
-            raise FileError(f"{path} holds no points; scan again or pick another file")
-        if form == "ascii":
-            needed = sum(element.count * element.least_words for element in elements)
+    header = read_header(path)
+    vertices = header.element("vertex")
+    if vertices is None or not {"x", "y", "z"} <= vertices.names:
+        raise damaged(path, "its header declares no vertices with x, y and z")
+    if vertices.count == 0:
+        raise FileError(f"{path} holds no points; scan again or pick another file")
+    if header.form == "ascii":
+        needed = sum(element.least_words for element in header.elements)
+        with path.open("rb") as file:
+            file.seek(header.start)
             held, unit = _count_words(file, needed), "numbers"
-        else:
-            needed = sum(element.count * element.least_bytes for element in elements)
-            held, unit = path.stat().st_size - start, "bytes"
+    else:
+        needed = sum(element.least_bytes for element in header.elements)
+        held, unit = path.stat().st_size - header.start, "bytes"
     if held < needed:
         what = f"its header announces at least {needed} {unit} of data, and {held} follow"
-        raise _damaged(path, what)
+        raise damaged(path, what)
     return vertices.count
-
-
-def _header_lines(path: Path, file: BinaryIO) -> list[str]:
-    if file.readline(8).strip() != b"ply":
-        raise _damaged(path, "it does not start with the word 'ply'")
-    lines: list[str] = []
-    while file.tell() < HEADER_LIMIT:
-        line = file.readline(HEADER_LIMIT)
-        words = line.decode("latin-1").strip()
-        if words == "end_header":
-            return lines
-        if not line:
-            break
-        lines.append(words)
-    raise _damaged(path, "its header has no end")
-
-
-def _parsed_header(path: Path, lines: list[str]) -> tuple[str, list[_Element]]:
-    form = ""
-    elements: list[_Element] = []
-    for line in lines:
-        words = line.split()
-        try:
-            if not words or words[0] in ("comment", "obj_info"):
-                continue
-            if words[0] == "format" and words[1] in FORMATS:
-                form = words[1]
-            elif words[0] == "element" and int(words[2]) >= 0:
-                elements.append(_Element(words[1], int(words[2]), []))
-            elif words[0] == "property":
-                _add_property(elements[-1], words[1:])
-            else:
-                raise _damaged(path, f"its header has the line '{line:.60}'")
-        except (IndexError, KeyError, ValueError) as error:
-            raise _damaged(path, f"its header has the line '{line:.60}'") from error
-    if not form:
-        raise _damaged(path, "its header names no format")
-    return form, elements
-
-
-def _add_property(element: _Element, words: list[str]) -> None:
-    if words[0] == "list":
-        element.least_bytes += BYTES_OF[words[1]]  # a list may be empty
-        element.properties.append(words[3])
-    else:
-        element.least_bytes += BYTES_OF[words[0]]
-        element.properties.append(words[1])
-    element.least_words += 1
 
 
 def _count_words(file: BinaryIO, enough: int) -> int:
@@ -183,7 +115,7 @@ def _check_corners(path: Path, corners: set[bytes] | list[bytes], counts: dict[b
         try:
             numbers = [int(index) if index else 1 for index in indices]
         except ValueError as error:
-            raise _damaged(path, f"a face has the corner '{_shown(corner)}'") from error
+            raise damaged(path, f"a face has the corner '{_shown(corner)}'") from error
         optional = zip(indices[1:], numbers[1:], limits[1:], strict=False)
         pairs = [(numbers[0], limits[0]), *((n, limit) for word, n, limit in optional if word)]
         if len(numbers) > 3 or any(n == 0 or abs(n) > limit for n, limit in pairs):
@@ -191,7 +123,7 @@ def _check_corners(path: Path, corners: set[bytes] | list[bytes], counts: dict[b
                 f"a face has the corner '{_shown(corner)}', and there are {limits[0]} vertices, "
                 f"{limits[1]} texture coordinates and {limits[2]} normals"
             )
-            raise _damaged(path, what)
+            raise damaged(path, what)
 
 
 def _shown(corner: bytes) -> str:
@@ -214,7 +146,7 @@ def check_stl(path: Path) -> None:
     count = int.from_bytes(beginning[80:STL_HEADER], "little")
     if size < STL_HEADER or size < STL_HEADER + STL_TRIANGLE * count:
         what = f"it announces {count} triangles, which {size} bytes cannot hold"
-        raise _damaged(path, what)
+        raise damaged(path, what)
 
 
 def try_in_child(path: Path) -> None:
@@ -229,8 +161,4 @@ def try_in_child(path: Path) -> None:
         [sys.executable, "-c", TRIAL, str(path)], capture_output=True, check=False
     )
     if ended.returncode != 0:
-        raise _damaged(path, "MeshLab's reader crashes on it")
-
-
-def _damaged(path: Path, what: str) -> FileError:
-    return FileError(f"{path} is damaged: {what}; write or download it again")
+        raise damaged(path, "MeshLab's reader crashes on it")

@@ -17,10 +17,14 @@ from numpy.typing import ArrayLike
 from meshlab_symrecon.arrays import Booleans, Faces, Floats, Points
 from meshlab_symrecon.errors import HostError
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.sources import source_of
 from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.plugin import Layer, Layers
 
 __all__ = [
+    "FACE_POINT_PREFIX",
+    "FACE_SCALAR_PREFIX",
+    "POINT_PREFIX",
     "SCALAR_PREFIX",
     "add_layer",
     "attribute_names",
@@ -33,6 +37,9 @@ __all__ = [
 HALF_A_STEP = 0.5 / 255.0  # pymeshlab cuts colours down to bytes; this makes it round
 ROUNDED = 1e-12  # what products and inverses of matrices leave in the last row
 SCALAR_PREFIX = "__ca_vs__"  # how the options of a PLY file list custom scalars of vertices
+POINT_PREFIX = "__ca_vp__"  # custom points of vertices
+FACE_SCALAR_PREFIX = "__ca_fs__"  # custom scalars of faces
+FACE_POINT_PREFIX = "__ca_fp__"  # custom points of faces
 
 
 def layers_of(mesh_set: Any) -> Layers:
@@ -57,7 +64,7 @@ def read_layer(mesh_set: Any, identifier: int) -> Layer:
     matrix mirrors, so that they face outward still. Attributes that MeshLab gives to every layer
     count as absent while they hold nothing: normals that are all zero, colours that are all white,
     quality that is all zero. Custom attributes whose names are not plain lower case are left out
-    with a warning, since pymeshlab does not tell such names.
+    with a warning, since pymeshlab does not tell such names, unless they came with a PLY file.
 
     Raises
     ------
@@ -212,7 +219,9 @@ def _selection(flags: ArrayLike) -> Booleans | None:
 
 def _attributes(mesh_set: Any, identifier: int) -> Mapping[str, Floats]:
     found = {}
-    for name in attribute_names(mesh_set, identifier):
+    known = source_of(mesh_set, identifier).attributes
+    for listed in attribute_names(mesh_set, identifier):
+        name = known.get(listed, listed)
         try:
             values = mesh_set.mesh(identifier).vertex_custom_scalar_attribute_array(name)
         except pymeshlab.PyMeshLabException:

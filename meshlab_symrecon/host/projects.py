@@ -1,19 +1,122 @@
-"""MeshLab projects: every layer in a file of its own, and the ``.mlp`` that lists them."""
+"""MeshLab projects: layers in files of their own, and the ``.mlp`` that lists them."""
 
 from __future__ import annotations
 
+import copy
 import re
+import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from meshlab_symrecon.host.atomic import replacing
-from meshlab_symrecon.host.files import check_output, write_layer
+import numpy as np
 
-__all__ = ["PROJECT", "layer_files", "save_project"]
+from meshlab_symrecon.errors import FileError, HostError
+from meshlab_symrecon.host.atomic import replacing
+from meshlab_symrecon.host.files import check_output, load, new_document, write_layer
+from meshlab_symrecon.host.native_filters import apply_native
+from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.project_files import Project, ProjectLayer, read_project
+from meshlab_symrecon.host.translation import translated
+
+__all__ = ["PROJECT", "layer_files", "load_layers", "load_project", "save_project"]
 
 PROJECT = "mlp"  # extension
+
+
+def load_project(path: str | Path, mesh_set: Any = None) -> Any:
+    """Load the layers of a project with their labels and matrices, and its rasters.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``.mlp``, ``.mlb`` or ``.aln``.
+    mesh_set : pymeshlab.MeshSet, optional
+        Where to add them; a new one when left out.
+
+    Returns
+    -------
+    pymeshlab.MeshSet
+
+    Raises
+    ------
+    FileError
+        As ``read_project``; or a layer's file cannot be read.
+
+    Warns
+    -----
+    SymReconWarning
+        Rasters whose images are missing were left out.
+    """
+    mesh_set = new_document() if mesh_set is None else mesh_set
+    load_layers(read_project(path), mesh_set)
+    return mesh_set
+
+
+def load_layers(project: Project, mesh_set: Any) -> dict[int, Path]:
+    """Load a project that has been read; return the file of each new layer, by its identifier.
+
+    Raises
+    ------
+    FileError
+        A layer's file cannot be read.
+
+    Warns
+    -----
+    SymReconWarning
+        Rasters whose images are missing were left out.
+    """
+    origins: dict[int, Path] = {}
+    for layer in project.layers:
+        before = {mesh.id() for mesh in mesh_set}
+        load(layer.path, mesh_set)
+        added = [int(mesh.id()) for mesh in mesh_set if mesh.id() not in before]
+        chosen = _chosen(mesh_set, added, layer)
+        for identifier in chosen:
+            _place(mesh_set, identifier, layer, alone=len(chosen) == 1)
+            origins[identifier] = layer.path
+    if project.missing_images:
+        names = ", ".join(str(path) for path in project.missing_images)
+        warn_user(f"{project.path}: rasters were left out, for their images are missing: {names}")
+    if project.rasters:
+        _load_rasters(project, mesh_set)
+    return origins
+
+
+def _chosen(mesh_set: Any, added: list[int], layer: ProjectLayer) -> list[int]:
+    """Return the layers that a project means, of a file with several; remove the others."""
+    if len(added) == 1 or layer.index not in range(len(added)):
+        return added
+    for identifier in added:
+        if identifier != added[layer.index]:
+            mesh_set.set_current_mesh(identifier)
+            mesh_set.delete_current_mesh()
+    mesh_set.set_current_mesh(added[layer.index])
+    return [added[layer.index]]
+
+
+def _place(mesh_set: Any, identifier: int, layer: ProjectLayer, *, alone: bool) -> None:
+    if layer.label and alone:
+        mesh_set.mesh(identifier).set_label(layer.label)
+    if not np.array_equal(layer.matrix, np.eye(4)):
+        mesh_set.set_current_mesh(identifier)
+        apply_native(mesh_set, "set_matrix", {"transformmatrix": layer.matrix, "freeze": False})
+
+
+def _load_rasters(project: Project, mesh_set: Any) -> None:
+    """Load rasters by way of a project of them alone, the only way that keeps their cameras."""
+    root = ElementTree.Element("MeshLabProject")
+    ElementTree.SubElement(root, "MeshGroup")
+    ElementTree.SubElement(root, "RasterGroup").extend(copy.deepcopy(project.rasters))
+    with tempfile.TemporaryDirectory(prefix="symrecon-") as folder:
+        path = Path(folder) / "rasters.mlp"
+        ElementTree.ElementTree(root).write(path, encoding="utf-8")
+        try:
+            with translated(f"the rasters of {project.path} cannot be read"):
+                mesh_set.load_project(str(path))
+        except HostError as error:
+            raise FileError(f"{error}; remove its <RasterGroup>") from error
 
 
 def save_project(
@@ -22,9 +125,10 @@ def save_project(
     inputs: Iterable[str | Path] = (),
     labels: Mapping[int, str] | None = None,
 ) -> None:
-    """Save every layer beside a MeshLab project that lists them, in world coordinates.
+    """Save every layer beside a MeshLab project that lists them.
 
-    The layers' files are named after the project and the layers: ``name-label.ply``.
+    The layers' files are named after the project and the layers: ``name-label.ply``. Coordinates
+    stay as they are, and the project keeps each layer's transform matrix and whether it is shown.
 
     Parameters
     ----------
@@ -40,6 +144,11 @@ def save_project(
     FileError
         The path does not end in ``.mlp``, a file would take the place of one of ``inputs``, no
         such directory, or the system refused.
+
+    Warns
+    -----
+    SymReconWarning
+        The document has pictures, which pymeshlab does not tell about.
     """
     path = Path(path)
     inputs = tuple(inputs)
@@ -50,8 +159,12 @@ def save_project(
         check_output(path.parent / name, inputs)
     with replacing(path) as staged:
         for identifier, name in names.items():
-            write_layer(mesh_set, identifier, path.parent / name, staged.parent / name)
-        staged.write_bytes(_project_text(shown, names).encode("utf-8"))
+            place = staged.parent / name
+            write_layer(mesh_set, identifier, path.parent / name, place, world=False)
+        staged.write_bytes(_project_text(mesh_set, shown, names).encode("utf-8"))
+    pictures = mesh_set.raster_number()
+    if pictures:
+        warn_user(f"{path}: {pictures} raster layers were left out; keep the project they are in")
 
 
 def layer_files(project: Path, labels: Mapping[int, str]) -> dict[int, str]:
@@ -66,7 +179,7 @@ def layer_files(project: Path, labels: Mapping[int, str]) -> dict[int, str]:
     return names
 
 
-def _project_text(labels: Mapping[int, str], names: Mapping[int, str]) -> str:
+def _project_text(mesh_set: Any, labels: Mapping[int, str], names: Mapping[int, str]) -> str:
     root = ElementTree.Element("MeshLabProject")
     group = ElementTree.SubElement(root, "MeshGroup")
     for identifier, name in names.items():
@@ -74,12 +187,18 @@ def _project_text(labels: Mapping[int, str], names: Mapping[int, str]) -> str:
             "label": labels[identifier],
             "idInFile": "-1",
             "filename": name,
-            "visible": "1",
+            "visible": str(int(mesh_set.mesh(identifier).is_visible())),
         }
         matrix = ElementTree.SubElement(
             ElementTree.SubElement(group, "MLMesh", attributes), "MLMatrix44"
         )
-        matrix.text = "\n1 0 0 0 \n0 1 0 0 \n0 0 1 0 \n0 0 0 1 \n"
+        rows = np.asarray(mesh_set.mesh(identifier).transform_matrix()).tolist()
+        matrix.text = "\n" + "".join(" ".join(map(_number, row)) + " \n" for row in rows)
     ElementTree.SubElement(root, "RasterGroup")
     ElementTree.indent(root, " ")
     return f"<!DOCTYPE MeshLabDocument>\n{ElementTree.tostring(root, encoding='unicode')}\n"
+
+
+def _number(value: float) -> str:
+    """Return a number in full, a whole one without a fraction."""
+    return str(int(value)) if value.is_integer() else repr(value)

@@ -13,7 +13,12 @@ from typing import Any
 import numpy as np
 
 from meshlab_symrecon.errors import HostError
-from meshlab_symrecon.host.meshset import SCALAR_PREFIX, attribute_names, current_identifier
+from meshlab_symrecon.host.meshset import (
+    POINT_PREFIX,
+    SCALAR_PREFIX,
+    attribute_names,
+    current_identifier,
+)
 from meshlab_symrecon.host.native_filters import apply_native
 from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.plugin import VertexScalars
@@ -23,7 +28,6 @@ __all__ = ["NATIVE_STEPS", "QUALITY_FUNCTION", "check_writable", "write_scalars"
 PLAIN = re.compile("[a-z][a-z0-9_]*")  # what both MeshLab's formulas and its lists can tell
 QUALITY_FUNCTION = "compute_scalar_by_function_per_vertex"
 NATIVE_STEPS = 1  # that each call of `write_scalars` leaves in the history
-POINT_PREFIX = "__ca_vp__"  # how the options of a PLY file list custom points of vertices
 
 
 def check_writable(mesh_set: Any, scalars: VertexScalars) -> None:

@@ -1,0 +1,127 @@
+"""What ``symrecon-server`` checks before anything is touched."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from meshlab_symrecon.cli.server_job import Job
+from meshlab_symrecon.errors import FileError, SymReconError
+
+__all__ = ["Checked", "check"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checked:
+    """What was read while checking.
+
+    Attributes
+    ----------
+    scripts : tuple of Script
+    findings : tuple of Finding
+        Of all scripts.
+    projects : mapping of Path to Project
+    """
+
+    scripts: tuple[Any, ...]
+    findings: tuple[Any, ...]
+    projects: dict[Path, Any]
+
+
+class _Problems:
+    """Collects the sentences of everything that is wrong."""
+
+    def __init__(self) -> None:
+        self.sentences: list[str] = []
+
+    def of(self, call: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
+        """Return what a call returns; None, and a sentence kept, when it refuses."""
+        try:
+            return call(*arguments, **options)
+        except SymReconError as error:
+            if str(error) not in self.sentences:
+                self.sentences.append(str(error))
+            return None
+
+
+def check(job: Job) -> Checked:
+    """Read scripts and projects, and check every file that a job names.
+
+    Raises
+    ------
+    SymReconError
+        Everything that is wrong, one a line.
+    """
+    problems = _Problems()
+    scripts, findings = _check_scripts(job, problems)
+    projects = _check_inputs(job, problems)
+    _check_targets(job, problems)
+    if problems.sentences:
+        raise SymReconError("\n".join(problems.sentences))
+    return Checked(scripts, findings, projects)
+
+
+def _check_scripts(job: Job, problems: _Problems) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    from meshlab_symrecon.host.findings import check_findings
+    from meshlab_symrecon.host.mlx import read_script
+    from meshlab_symrecon.host.resolution import matched
+
+    scripts: list[Any] = []
+    findings: list[Any] = []
+    for path in job.scripts:
+        script = problems.of(read_script, path)
+        if script is None:
+            continue
+        matching = matched(script)
+        problems.of(check_findings, matching.findings, strict=job.strict, lenient=job.lenient)
+        scripts.append(script)
+        findings += matching.findings
+    return tuple(scripts), tuple(findings)
+
+
+def _check_inputs(job: Job, problems: _Problems) -> dict[Path, Any]:
+    from meshlab_symrecon.host.project_files import read_project
+
+    projects = {}
+    for load in job.loads:
+        if load.project:
+            project = problems.of(read_project, load.path)
+            projects[load.path] = project
+            for layer in () if project is None else project.layers:
+                problems.of(_check_mesh, layer.path)
+        else:
+            problems.of(_check_mesh, load.path)
+    return projects
+
+
+def _check_mesh(path: Path) -> None:
+    from meshlab_symrecon.host.files import READABLE
+
+    extension = path.suffix.removeprefix(".").lower()
+    if not path.is_file():
+        raise FileError(f"{path} cannot be read: no such file; check its path")
+    if extension not in READABLE:
+        message = f"{path} is of no format that can be read; known are {', '.join(READABLE)}"
+        raise FileError(message)
+
+
+def _check_targets(job: Job, problems: _Problems) -> None:
+    """Check what will be written: meshes may take the place of inputs, nothing else may."""
+    from meshlab_symrecon.host.files import check_output
+    from meshlab_symrecon.host.mask import SAVED
+
+    kept = [*job.scripts, *(load.path for load in job.loads if load.project)]
+    meshes = [load.path for load in job.loads if not load.project]
+    earlier: list[Path] = []
+    for output in job.outputs:
+        problems.of(check_output, output.path, [*kept, *earlier], SAVED)
+        earlier.append(output.path)
+    for project in job.projects:
+        problems.of(check_output, project.path, [*job.scripts, *meshes, *earlier], ())
+        earlier.append(project.path)
+    for path in (job.log, job.dump, job.report):
+        if path is not None and not (path == job.log and path.is_char_device()):  # /dev/null
+            problems.of(check_output, path, [*kept, *meshes, *earlier], ())
+            earlier.append(path)

@@ -1,0 +1,157 @@
+"""Layers written by MeshLab's own writers, with exactly the attributes that are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from meshlab_symrecon.errors import FileError, HostError
+from meshlab_symrecon.host.atomic import replacing
+from meshlab_symrecon.host.files import READABLE, new_document, write_layer
+from meshlab_symrecon.host.formats import FACES_ONLY, POINTS_ONLY, WRITABLE
+from meshlab_symrecon.host.image_names import rename_images
+from meshlab_symrecon.host.mask import TEXT, held_flags, save_options
+from meshlab_symrecon.host.meshset import current_identifier
+from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.process_state import process_kept
+from meshlab_symrecon.host.textures import place_textures
+from meshlab_symrecon.host.translation import translated
+
+__all__ = ["export_layer", "write_all", "write_staged"]
+
+UNREPORTED = ("xyz", "3mf", "dae", "e57", "wrl", "x3d")  # writers that hide a full disk
+# Writers that refuse a layer without points, hide that they do, or end the process on it.
+NEEDS_POINTS = ("obj", "x3d", "3ds", "ctm", "xyz", "e57", "nxs", "nxz")
+TEXTURED = ("save_wedge_texcoord", "save_vertex_coord")
+
+
+def export_layer(
+    mesh_set: Any,
+    identifier: int,
+    path: str | Path,
+    options: Mapping[str, bool],
+) -> None:
+    """Write one layer as it is, its matrix left out; a file at ``path`` is replaced by a whole one.
+
+    Parameters
+    ----------
+    mesh_set : pymeshlab.MeshSet
+    identifier : int
+    path : str or Path
+        Its extension is a key of ``mask.SAVED``.
+    options : mapping of str to bool
+        pymeshlab's save options, from ``mask.save_options``.
+
+    Raises
+    ------
+    FileError
+        The format holds nothing of the layer, or the system refused.
+
+    Warns
+    -----
+    SymReconWarning
+        The format loses faces, or points that belong to no face.
+    """
+    path = Path(path)
+    with replacing(path) as staged:
+        write_staged(mesh_set, identifier, path, staged, options)
+
+
+def write_staged(
+    mesh_set: Any,
+    identifier: int,
+    path: Path,
+    staged: Path,
+    options: Mapping[str, bool],
+) -> None:
+    """Write one layer, and its textures, to ``staged``; messages call it ``path``.
+
+    Raises
+    ------
+    FileError
+        As ``export_layer``.
+    """
+    extension = path.suffix.removeprefix(".").lower()
+    mesh = mesh_set.mesh(identifier)
+    _check_losses(mesh, path, extension)
+    before = current_identifier(mesh_set)
+    try:
+        with translated(f"{path} cannot be written"), process_kept():
+            mesh_set.set_current_mesh(identifier)
+            mesh_set.save_current_mesh(str(staged.resolve()), save_textures=False, **options)
+    except HostError as error:
+        raise FileError(f"{error}; check free space and the format") from error
+    finally:
+        mesh_set.set_current_mesh(before)
+    if any(options.get(name) for name in TEXTURED):
+        names = place_textures(mesh_set, identifier, path, staged)
+        for file in (staged, staged.with_name(f"{staged.name}.mtl")):
+            rename_images(file, names)
+    _check_whole(mesh_set.mesh(identifier), path, extension, staged)
+
+
+def write_all(mesh_set: Any, identifier: int, path: Path, staged: Path, text: bool = False) -> None:
+    """Write one layer, without its matrix, with everything that it has and its format can hold.
+
+    Parameters
+    ----------
+    mesh_set : pymeshlab.MeshSet
+    identifier : int
+    path : Path
+        Where the file will be; its extension is a key of ``mask.SAVED``.
+    staged : Path
+        Where it is written first.
+    text : bool
+        Write a PLY or STL file as text, without custom attributes.
+
+    Raises
+    ------
+    FileError
+        As ``export_layer``.
+    """
+    extension = path.suffix.removeprefix(".").lower()
+    if extension in WRITABLE and not text:
+        write_layer(mesh_set, identifier, path, staged, world=False)
+        return
+    held = held_flags(extension, mesh_set.mesh(identifier))
+    flags = held | {TEXT} if text else held
+    write_staged(mesh_set, identifier, path, staged, save_options(extension, flags))
+
+
+def _check_losses(mesh: Any, path: Path, extension: str) -> None:
+    points, faces = mesh.vertex_number(), mesh.face_number()
+    if points == 0 and extension in NEEDS_POINTS:
+        message = f"{path}: layer '{mesh.label()}' has no points, which .{extension} cannot hold"
+        raise FileError(f"{message}; look at what the steps before it deleted")
+    if extension in POINTS_ONLY and faces:
+        words = f"{path}: .{extension} holds points only, so {faces} faces were left out"
+        warn_user(f"{words}; write .ply to keep them")
+    if extension not in FACES_ONLY or points == 0:
+        return
+    lost = points - len(np.unique(mesh.face_matrix()))
+    words = f"{path}: .{extension} holds faces only, and {lost} points belong to no face"
+    if faces == 0:
+        raise FileError(f"{words}; write .ply instead")
+    if lost:
+        warn_user(f"{words}, so they were left out; write .ply to keep them")
+
+
+def _check_whole(mesh: Any, path: Path, extension: str, staged: Path) -> None:
+    """Read back what a writer wrote that does not tell when the disk was full."""
+    if not staged.is_file() or staged.stat().st_size == 0:
+        raise FileError(f"{path} cannot be written: the writer made no file; check free space")
+    if extension not in UNREPORTED or extension not in READABLE or mesh.vertex_number() == 0:
+        return
+    written = new_document()
+    try:
+        with translated(f"{path} cannot be written"), process_kept():
+            written.load_new_mesh(str(staged))
+        faces = sum(layer.face_number() for layer in written)
+    except HostError:
+        faces = -1
+    if faces != (0 if extension in POINTS_ONLY else mesh.face_number()):
+        message = f"{path} cannot be written: the writer did not finish; check free space"
+        raise FileError(message)
