@@ -36,7 +36,7 @@ bench: $(VENV)/installed-dev
 	$(BIN)/python benchmarks/power_crust.py
 
 docs: $(VENV)/installed-dev
-	$(BIN)/symrecon filters --markdown > docs/filters.md
+	$(BIN)/symrecon filters --pages docs
 
 gallery: $(VENV)/installed-dev
 	$(BIN)/python docs/gallery.py

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -11,24 +12,15 @@ from pathlib import Path
 
 import numpy as np
 import pymeshlab
-import pytest
 
 import meshlab_symrecon
 from meshlab_symrecon.errors import SymReconWarning
 from meshlab_symrecon.geometry.surfaces import topology
 from meshlab_symrecon.host.script import run_script
-from meshlab_symrecon.host.steps import registry, run_filter
-from meshlab_symrecon.plugin.documentation import filters_page
 
 ROOT = Path(__file__).parents[1]
 README = ROOT.joinpath("README.md").read_text(encoding="utf-8")
 DETECTION = ROOT.joinpath("docs/detection.md").read_text(encoding="utf-8")
-
-
-def test_the_filters_page_is_up_to_date():
-    ours = [item for item in registry() if item.run.__module__.startswith("meshlab_symrecon.")]
-    page = ROOT.joinpath("docs/filters.md").read_text(encoding="utf-8")
-    assert page == filters_page(ours), "run 'make docs'"
 
 
 def test_every_document_names_this_version():
@@ -105,25 +97,45 @@ def test_the_script_of_the_detection_page_selects_and_runs(tmp_path):
     assert np.array_equal(scan.vertex_selection_array(), expected)
 
 
+def test_the_scripts_page_shows_what_its_commands_do(tmp_path):
+    page = ROOT.joinpath("docs/scripts.md").read_text(encoding="utf-8")
+    old, new = re.findall(r"```xml\n(.*?)```", page, re.DOTALL)
+    (words,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
+    program, in_python = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    (tmp_path / "old.mlx").write_text(old, encoding="utf-8")
+    scan = ROOT / "examples/data/nefertiti_small.ply"
+    (tmp_path / "scan.ply").write_bytes(scan.read_bytes())
+    (tmp_path / "in_python.py").write_text(in_python, encoding="utf-8")
+    commands = "".join(re.findall(r"```sh\n(.*?)```", page, re.DOTALL)).splitlines()
+    said = {}
+    for command in (*commands, "python in_python.py"):
+        first, *rest = command.split()
+        module = ["-m", "meshlab_symrecon.cli.main"] if first == "symrecon" else []
+        done = subprocess.run(
+            [sys.executable, *module, *rest],
+            cwd=tmp_path, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, f"{command}\n{done.stderr}"
+        said[command] = done.stdout
+    assert said["symrecon upgrade old.mlx --explain"] == words
+    assert (tmp_path / "same.py").read_text(encoding="utf-8") == program
+    assert (tmp_path / "new.mlx").read_text(encoding="utf-8") == new
+    report = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    for key in (*report, *report["steps"][0]):
+        assert f"`{key}`" in page
+    made, same = (pymeshlab.MeshSet(verbose=False) for _ in range(2))
+    made.load_new_mesh(str(tmp_path / "web.ply"))
+    same.load_new_mesh(str(tmp_path / "same.ply"))
+    assert made.current_mesh().face_number() == 2000
+    assert np.array_equal(made.current_mesh().vertex_matrix(), same.current_mesh().vertex_matrix())
+
+
 def test_no_placeholder_is_left():
     assert re.findall(r"@[A-Z]+@", README) == []
 
 
 def test_links_of_the_documents_lead_somewhere():
-    for path in (ROOT / "README.md", *ROOT.glob("docs/*.md"), ROOT / "examples/data/README.md"):
+    for path in (ROOT / "README.md", *ROOT.glob("docs/**/*.md"), ROOT / "examples/data/README.md"):
         text = path.read_text(encoding="utf-8")
         for target in re.findall(r"\]\((?!https?:)([^)#]+)", text):
             assert (path.parent / target).exists(), f"{path.name}: {target}"
-
-
-@pytest.mark.parametrize("axis", ["x", "y", "z"])
-def test_the_example_filter_works(axis, monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "examples"))
-    import shift_filter
-
-    mesh_set = pymeshlab.MeshSet()
-    mesh_set.create_cube()
-    measures = run_filter(mesh_set, shift_filter.FILTER, {"axis": axis, "length": 0.5})
-    before, after = (mesh_set.mesh(number).vertex_matrix() for number in (0, 1))
-    np.testing.assert_allclose(after - before, np.tile(measures["step"], (len(before), 1)))
-    assert measures["step"]["xyz".index(axis)] == pytest.approx(0.5 * np.sqrt(3))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import click
@@ -18,17 +19,28 @@ WIDTH_IN_A_PIPE = 1000  # columns; nothing is cut off there
 @click.argument("name", required=False)
 @click.option("--all", "every", is_flag=True, help="List MeshLab's own filters too.")
 @click.option("--json", "as_json", is_flag=True, help="Print every declared fact as JSON.")
-@click.option("--markdown", is_flag=True, help="Print the docs page of our filters.")
-def filters(name: str | None, every: bool, as_json: bool, markdown: bool) -> None:
+@click.option(
+    "--markdown", is_flag=True, help="Print the docs page of NAME, or the list of all pages."
+)
+@click.option(
+    "--pages",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="FOLDER",
+    help="Write the list to FOLDER/filters.md and each page to FOLDER/filters/.",
+)
+def filters(
+    name: str | None, every: bool, as_json: bool, markdown: bool, pages: Path | None
+) -> None:
     """List the filters, or show one by any of its NAMEs."""
     from meshlab_symrecon.host.native_filters import native_filters
     from meshlab_symrecon.host.registration import registry
     from meshlab_symrecon.host.resolution import find_any
 
+    if pages is not None:
+        _write_pages(pages, name)
+        return
     if markdown:
-        from meshlab_symrecon.plugin.documentation import filters_page
-
-        click.echo(filters_page(registry() if name is None else [registry().find(name)]), nl=False)
+        click.echo(_markdown(name), nl=False)
         return
     if name is not None:
         item = find_any(name)
@@ -44,6 +56,23 @@ def filters(name: str | None, every: bool, as_json: bool, markdown: bool) -> Non
             click.echo(f"and {count} of MeshLab's own; 'symrecon filters --all' lists them")
     for failure in registry().failures:
         click.echo(f"warning: {failure.reason}", err=True)
+
+
+def _markdown(name: str | None) -> str:
+    from meshlab_symrecon.cli.filter_pages import filter_page, index_page
+    from meshlab_symrecon.host.registration import find_filter, registry
+
+    return index_page(registry()) if name is None else filter_page(find_filter(name))
+
+
+def _write_pages(folder: Path, name: str | None) -> None:
+    from meshlab_symrecon.cli.filter_pages import write_pages
+    from meshlab_symrecon.host.registration import registry
+
+    if name is not None:
+        raise click.UsageError("--pages writes the pages of all filters; give no NAME with it")
+    for path in write_pages(registry(), folder):
+        click.echo(f"written {path}")
 
 
 def _as_json(data: Any) -> str:

@@ -10,6 +10,7 @@ from meshlab_symrecon.cli.border import BorderGroup
 from meshlab_symrecon.cli.filters import filters
 from meshlab_symrecon.cli.reconstruct import reconstruct
 from meshlab_symrecon.cli.script import run
+from meshlab_symrecon.cli.upgrade import upgrade
 
 __all__ = ["main"]
 
@@ -23,7 +24,7 @@ def main() -> None:
     """
 
 
-for command in (reconstruct, apply, run, filters):
+for command in (reconstruct, apply, run, upgrade, filters):
     main.add_command(command)
 
 if __name__ == "__main__":

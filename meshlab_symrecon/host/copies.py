@@ -63,7 +63,9 @@ def changed_copy(mesh_set: Any, identifier: int, world: bool, extension: str) ->
     HostError
         The matrix cannot be applied, or MeshLab refused.
     """
-    layer = read_layer(mesh_set, identifier) if world else None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SymReconWarning)  # of names, which are kept below
+        layer = read_layer(mesh_set, identifier) if world else None
     matrix = np.array(mesh_set.mesh(identifier).transform_matrix())
     copy = pymeshlab.MeshSet(verbose=False)
     with tempfile.TemporaryDirectory() as folder:

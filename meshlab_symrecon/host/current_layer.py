@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from meshlab_symrecon.host.mlx import Step
+from meshlab_symrecon.host.old_names import NOTHING
 
 __all__ = ["KEPT", "MADE", "current_is_kept", "current_was_kept"]
 
@@ -32,11 +33,12 @@ def current_is_kept(names: Sequence[str], number: int) -> bool:
     Parameters
     ----------
     names : sequence of str
-        Python names of today of all steps.
+        Python names of today of all steps; empty for those that cannot run.
     number : int
         Position of the step.
     """
-    return names[number].startswith(MAKERS) and names[number + 1 : number + 2] == [DELETE]
+    acting = (name for name in names[number + 1 :] if name not in ("", NOTHING))
+    return names[number].startswith(MAKERS) and next(acting, "") == DELETE
 
 
 def current_was_kept(name: str, step: Step) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from meshlab_symrecon.host.formats import (
     lost_in,
 )
 from meshlab_symrecon.host.importing import after_loading
+from meshlab_symrecon.host.material_names import with_plain_names
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.process_state import process_kept
@@ -80,8 +82,8 @@ def load(path: str | Path, mesh_set: Any = None) -> Any:
     mesh_set = new_document() if mesh_set is None else mesh_set
     before = {mesh.id() for mesh in mesh_set}
     try:
-        with translated(f"{path} cannot be read"), process_kept():
-            mesh_set.load_new_mesh(str(path))
+        with translated(f"{path} cannot be read"), process_kept(), _readable(path) as readable:
+            mesh_set.load_new_mesh(str(readable))
     except HostError as error:
         raise FileError(f"{error}; write or download it again") from error
     new = [int(mesh.id()) for mesh in mesh_set if mesh.id() not in before]
@@ -93,9 +95,18 @@ def load(path: str | Path, mesh_set: Any = None) -> Any:
             f"{path}: {announced - loaded} of {announced} points have coordinates that are "
             "not numbers; MeshLab left them out"
         )
-    for identifier in new:
-        after_loading(mesh_set, identifier, path)
+    try:
+        for identifier in new:
+            after_loading(mesh_set, identifier, path)
+    except OSError as error:
+        message = f"{error.filename or path} cannot be read: {reason(error)}; check its path"
+        raise FileError(message) from error
     return mesh_set
+
+
+def _readable(path: Path) -> AbstractContextManager[Path]:
+    """Return the path, or one under which MeshLab finds the images of an OBJ file."""
+    return with_plain_names(path) if path.suffix.lower() == ".obj" else nullcontext(path)
 
 
 def _checked_before(path: Path) -> int | None:

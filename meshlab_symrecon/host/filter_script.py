@@ -8,11 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.errors import ScriptError
+from meshlab_symrecon.host.explanation import explained
 from meshlab_symrecon.host.findings import Finding
 from meshlab_symrecon.host.mlx import Script, Step, read_script, write_script
+from meshlab_symrecon.host.native_only import checked_for_the_window
+from meshlab_symrecon.host.python_script import python_script
 from meshlab_symrecon.host.resolution import find_any, matched
 from meshlab_symrecon.host.script import ScriptReport, run_steps
+from meshlab_symrecon.host.script_history import recorded_script
 from meshlab_symrecon.host.trial import try_script
+from meshlab_symrecon.host.upgrade import checked, upgraded
 from meshlab_symrecon.host.written_steps import written_step
 from meshlab_symrecon.plugin import Progress
 from meshlab_symrecon.plugin.filter import silent
@@ -49,6 +54,21 @@ class FilterScript:
             As ``read_script``.
         """
         script = read_script(path)
+        return cls(script.steps, script.path)
+
+    @classmethod
+    def of(cls, mesh_set: Any) -> FilterScript:
+        """Return the steps that ran on a MeshSet, or were loaded into its history.
+
+        Numbers are exact for our filters, and for MeshLab's that ran after ``load_plugins``;
+        pymeshlab itself keeps six digits. Numbers of layers are positions.
+
+        Raises
+        ------
+        HostError
+            The history cannot be read.
+        """
+        script = recorded_script(mesh_set)
         return cls(script.steps, script.path)
 
     def __len__(self) -> int:
@@ -127,6 +147,43 @@ class FilterScript:
         """
         gone = self._checked(position)
         return replace(self, steps=(*self.steps[:gone], *self.steps[gone + 1 :]))
+
+    def upgraded(self, *, lenient: bool = False) -> FilterScript:
+        """Return a script that does the same, in today's names.
+
+        Raises
+        ------
+        ScriptError
+            It has mistakes; ``lenient`` leaves out what cannot run.
+        """
+        matching = checked(self._script, lenient=lenient)
+        return replace(self, steps=upgraded(self._script, matching).steps)
+
+    def native_only(self, *, lenient: bool = False) -> FilterScript:
+        """Return what of it can run in MeshLab's window, in today's names.
+
+        Raises
+        ------
+        ScriptError
+            It has mistakes, changes the current layer or has percentages, which MeshLab's scripts
+            cannot hold; ``lenient`` leaves these out. Or nothing is left.
+        """
+        matching = checked_for_the_window(self._script, lenient=lenient)
+        return replace(self, steps=upgraded(self._script, matching).steps)
+
+    def explained(self) -> str:
+        """Return in words what each step does; mistakes stand where they are made."""
+        return explained(self._script, matched(self._script))
+
+    def to_python(self, *, lenient: bool = False) -> str:
+        """Return a program for pymeshlab that does the same.
+
+        Raises
+        ------
+        ScriptError
+            It has mistakes; ``lenient`` leaves out what cannot run.
+        """
+        return python_script(self._script, checked(self._script, lenient=lenient))
 
     def write(self, path: str | Path) -> None:
         """Write it; whole or not at all.

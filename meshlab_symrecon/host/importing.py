@@ -9,21 +9,21 @@ from typing import Any
 
 from meshlab_symrecon.host.formats import COLOURS, FACE_COLOURS, QUALITY
 from meshlab_symrecon.host.image_names import IMAGES
+from meshlab_symrecon.host.material_names import MAP, image_name, libraries_of
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.ply_header import read_header
 from meshlab_symrecon.host.ply_properties import add_unread_properties
 from meshlab_symrecon.host.sources import Source, remember
+from meshlab_symrecon.host.textures import plain_texture_name
 from meshlab_symrecon.host.translation import translated
 
 __all__ = ["after_loading"]
 
+WORDS_OF_AN_EDGE = 3  # l, and two points
 STAND_IN = "dummy.png"  # MeshLab's name for the image that it takes for one it cannot find
 UNREAD = (".x3d", ".wrl")  # formats of whose textures MeshLab reads the coordinates only
-LIBRARY = re.compile(rb"(?m)^[ \t]*mtllib[ \t]+(.+?)[ \t\r]*$")
-MAP = re.compile(rb"(?mi)^[ \t]*map_Kd[ \t]+(.+?)[ \t\r]*$")
-OTHER_MAPS = re.compile(rb"(?mi)^[ \t]*(?:map_\w+|bump|disp|norm|refl)[ \t]+(.+?)[ \t\r]*$")
-IN_PLY = re.compile(rb"(?m)^comment TextureFile[ \t]+(.+?)[ \t\r]*$")
-OPTION = re.compile(r"-(?:[ost](?:\s+[-+.\de]+){1,3}|mm(?:\s+[-+.\de]+){2}|\w+\s+\S+)\s+")
+OTHER_MAPS = re.compile(rb"(?mi)^([ \t]*(?:map_\w+|bump|disp|norm|refl)[ \t]+)(.+?)[ \t\r]*$")
+IN_PLY = re.compile(rb"(?m)^(comment TextureFile[ \t]+)(.+?)[ \t\r]*$")
 
 
 def after_loading(mesh_set: Any, identifier: int, path: Path) -> None:
@@ -32,7 +32,7 @@ def after_loading(mesh_set: Any, identifier: int, path: Path) -> None:
     Warns
     -----
     SymReconWarning
-        The image of a texture is missing, or something of a PLY file cannot be kept.
+        The image of a texture is missing, or MeshLab leaves out something of the file.
     """
     extension = path.suffix.removeprefix(".").lower()
     mesh = mesh_set.mesh(identifier)
@@ -49,11 +49,9 @@ def after_loading(mesh_set: Any, identifier: int, path: Path) -> None:
         attributes = add_unread_properties(mesh_set, identifier, path)
     if extension == "dae" and mesh.face_number() == 0:
         _clear_normals(mesh_set, identifier)
-    libraries = _libraries(path) if extension == "obj" else ()
+    libraries = _libraries(mesh, path) if extension == "obj" else ()
     named = _named_images(path, extension, libraries)
     textures, missing = _found(path, mesh_set.mesh(identifier).textures(), named)
-    if extension == "obj" and mesh.face_number() == 0 and _names_normals(path):
-        warn_user(f"{path}: MeshLab does not read normals of points without faces; write .ply")
     files = (path, *libraries, *(path.parent / name for name in named), *textures.values())
     source = Source(files, textures, missing, frozenset(held), attributes)
     remember(mesh_set, identifier, source)
@@ -66,21 +64,22 @@ def _clear_normals(mesh_set: Any, identifier: int) -> None:
         mesh_set.compute_normal_by_function_per_vertex(x="0", y="0", z="0")
 
 
-def _libraries(path: Path) -> tuple[Path, ...]:
-    """Return the files of materials that an OBJ file names."""
-    found = []
+def _libraries(mesh: Any, path: Path) -> tuple[Path, ...]:
+    """Return the files of materials that an OBJ file names; warn of what MeshLab leaves out."""
+    normals = longer = 0
     with path.open("rb") as file:
         for line in file:
-            match = LIBRARY.match(line) if b"mtllib" in line else None
-            if match:
-                name = match[1].decode("utf-8", "replace").replace("\\", "/")
-                found.append(path.parent / name)
-    return tuple(file for file in found if file.is_file())
-
-
-def _names_normals(path: Path) -> bool:
-    with path.open("rb") as file:
-        return any(line.startswith(b"vn ") for line in file)
+            beginning = line[:7].lstrip()
+            if beginning.startswith(b"vn "):
+                normals += 1
+            elif beginning.startswith(b"l "):
+                longer += len(line.split()) > WORDS_OF_AN_EDGE
+    if normals and mesh.face_number() == 0:
+        warn_user(f"{path}: MeshLab does not read normals of points without faces; write .ply")
+    if longer:
+        words = f"{path}: of {longer} lines along more than two points MeshLab reads"
+        warn_user(f"{words} the first edge only; write a line an edge")
+    return tuple(libraries_of(path).values())
 
 
 def _named_images(path: Path, extension: str, libraries: tuple[Path, ...]) -> dict[str, bool]:
@@ -104,11 +103,9 @@ def _named_images(path: Path, extension: str, libraries: tuple[Path, ...]) -> di
 
 
 def _names(pattern: re.Pattern[bytes], content: bytes) -> Iterator[str]:
-    for match in pattern.finditer(content):
-        words = match[1].decode("utf-8", "replace").replace("\\", "/")
-        name = OPTION.sub("", words).strip().strip('"')
-        if name:
-            yield name
+    """Return the names of images in a file of materials or a header."""
+    named = (image_name(match[2]) for match in pattern.finditer(content))
+    return (name for name in named if name)
 
 
 def _found(
@@ -116,18 +113,24 @@ def _found(
 ) -> tuple[dict[str, Path], dict[str, str]]:
     """Return the image files of a layer's textures, and what MeshLab put a stand-in for."""
     by_name = {name: path.parent / name for name in named}
+    by_plain = {plain_texture_name(name): file for name, file in by_name.items()}
     by_end = {file.name: file for file in by_name.values()}
     textures = {}
     for name in in_mesh:
-        file = by_name.get(name) or by_end.get(Path(name).name) or path.parent / name
+        file = (
+            by_name.get(name)
+            or by_plain.get(name)
+            or by_end.get(Path(name).name)
+            or path.parent / name
+        )
         if file.is_file():
             textures[name] = file
     if named and not in_mesh and path.suffix.lower() in UNREAD:
         warn_user(f"{path}: MeshLab does not read textures ({', '.join(named)}) of such files")
     if STAND_IN not in in_mesh or STAND_IN in textures:
         return textures, {}
-    ends = {Path(name).name for name in textures}
-    unread = [name for name, used in named.items() if used and Path(name).name not in ends]
+    found = set(textures.values())
+    unread = [name for name, used in named.items() if used and by_name[name] not in found]
     if not unread:
         return textures, {}
     file = by_name[unread[0]]

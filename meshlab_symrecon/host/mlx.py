@@ -7,7 +7,7 @@ The grammar is that of MeshLab: ``<filter>`` with typed ``<Param>`` children, an
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,7 @@ __all__ = [
     "Step",
     "choice_attributes",
     "read_script",
+    "script_text",
     "step_of",
     "write_script",
 ]
@@ -76,10 +77,20 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Script:
-    """The steps of a script, and the file they were read from."""
+    """The steps of a script, and the file they were read from.
+
+    Attributes
+    ----------
+    path : Path
+    steps : tuple of Step
+    comments : mapping of int to texts
+        What stands above or in the step at a position; after the last one at one more than its
+        position.
+    """
 
     path: Path
     steps: tuple[Step, ...]
+    comments: Mapping[int, Sequence[str]] = field(default_factory=dict, compare=False)
 
 
 class _Collector:
@@ -89,6 +100,7 @@ class _Collector:
         self.path = path
         self.skipped = skipped  # lines before the first that expat was given
         self.steps: list[Step] = []
+        self.comments: dict[int, list[str]] = {}
         self.open_tags: list[str] = []
         self.parser: Any = None  # set after construction: parser and target need each other
 
@@ -111,6 +123,10 @@ class _Collector:
         else:
             raise self.problem(line, f"<{tag}> has no place inside <{self.open_tags[-1]}>")
         self.open_tags.append(plain)
+
+    def comment(self, text: str) -> None:
+        inside_a_step = len(self.open_tags) > 1
+        self.comments.setdefault(len(self.steps) - inside_a_step, []).append(text)
 
     def end(self, tag: str) -> None:
         self.open_tags.pop()
@@ -193,11 +209,20 @@ def read_script(path: str | Path) -> Script:
         raise ScriptError(message) from error
     except (LookupError, ValueError) as error:  # an encoding that Python does not know
         raise ScriptError(f"{path}:1: this is not readable as XML: {error}") from error
-    return Script(path, steps)
+    return Script(path, steps, collector.comments)
 
 
-def write_script(steps: Iterable[Step], path: str | Path) -> None:
+def write_script(
+    steps: Iterable[Step], path: str | Path, comments: Mapping[int, Sequence[str]] | None = None
+) -> None:
     """Write a script that ``read_script`` reads back to equal steps; whole or not at all.
+
+    Parameters
+    ----------
+    steps : iterable of Step
+    path : str or Path
+    comments : mapping of int to texts, optional
+        What stands above the step at a position; after the last step at one more than its position.
 
     Raises
     ------
@@ -207,16 +232,37 @@ def write_script(steps: Iterable[Step], path: str | Path) -> None:
         The file cannot be written.
     """
     path = Path(path)
+    text = script_text(steps, path, comments or {})
+    with replacing(path) as staged:
+        staged.write_bytes(text.encode("utf-8"))
+
+
+def script_text(steps: Iterable[Step], path: Path, comments: Mapping[int, Sequence[str]]) -> str:
+    """Return what ``write_script`` writes; ``path`` is what messages call it.
+
+    Raises
+    ------
+    ScriptError
+        A text has a character that XML cannot hold.
+    """
     root = ElementTree.Element(ROOT)
+    count = 0
     for step in steps:
+        _append_comments(root, comments.get(count, ()), path)
+        count += 1
         tag = "xmlfilter" if step.from_xml_plugin else "filter"
         element = ElementTree.SubElement(root, tag, {"name": _checked(step.name, path)})
         for parameter in step.parameters:
             _append(element, parameter, "xmlparam" if step.from_xml_plugin else "Param", path)
+    _append_comments(root, comments.get(count, ()), path)
     ElementTree.indent(root, " ")
-    text = HEADER + ElementTree.tostring(root, encoding="unicode") + "\n"
-    with replacing(path) as staged:
-        staged.write_bytes(text.encode("utf-8"))
+    return HEADER + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _append_comments(root: ElementTree.Element, texts: Iterable[str], path: Path) -> None:
+    for text in texts:
+        safe = re.sub("-(?=-)|-$", "- ", text)  # XML allows neither "--" nor a "-" at the end
+        root.append(ElementTree.Comment(_checked(safe, path)))
 
 
 def _append(element: ElementTree.Element, parameter: Param, tag: str, path: Path) -> None:

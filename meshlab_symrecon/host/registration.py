@@ -8,19 +8,21 @@ from __future__ import annotations
 
 import functools
 import inspect
-import sys
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pymeshlab
 
 from meshlab_symrecon.errors import PluginError
-from meshlab_symrecon.host import history
-from meshlab_symrecon.host.native_filters import is_native
+from meshlab_symrecon.host import exact_steps, listings, script_history
+from meshlab_symrecon.host.exact_steps import Note
+from meshlab_symrecon.host.native_filters import native_filters
 from meshlab_symrecon.host.notices import warn_user
-from meshlab_symrecon.host.steps import apply_filter, find_filter, registry, replay, run_filter
-from meshlab_symrecon.plugin import Filter
+from meshlab_symrecon.host.script import ScriptReport
+from meshlab_symrecon.host.steps import apply_filter, find_filter, registry, run_filter
+from meshlab_symrecon.plugin import Filter, Progress
 from meshlab_symrecon.plugin.documentation import method_documentation
 from meshlab_symrecon.plugin.registry import Registry
 
@@ -38,16 +40,20 @@ _lock = threading.RLock()
 _replaced: list[tuple[Any, str, Any]] = []  # owner, attribute, what was there (_NOTHING: nothing)
 _NOTHING = object()
 _native_filter_list = pymeshlab.filter_list
+_native_parameter_values = pymeshlab.MeshSet.filter_parameter_values
 
 
 def load_plugins() -> None:
     """Make every installed plugin filter a filter of pymeshlab, until ``unload_plugins``.
 
     Each becomes a method of ``MeshSet`` under its Python name and aliases, a name for
-    ``apply_filter`` and ``filter_parameter_values``, an entry of ``filter_list``,
-    ``print_filter_list``, ``print_filter_parameter_list`` and ``search``, and a step of
-    ``apply_filter_script``. Calling it again looks for plugins anew. A plugin that cannot be loaded
-    is named in a warning, and does not hold up the others.
+    ``apply_filter`` and ``filter_parameter_values``, and an entry of ``filter_list``,
+    ``print_filter_list``, ``print_filter_parameter_list`` and ``search``. The filter scripts of a
+    MeshSet are ours from then on: ``load_filter_script`` reads scripts of every version of MeshLab
+    and raises for what cannot run, ``apply_filter_script`` runs them with exact numbers and returns
+    a report, ``save_filter_script`` writes what ran to the last bit. Calling it again looks for
+    plugins anew. A plugin that cannot be loaded is named in a warning, and does not hold up the
+    others.
 
     Raises
     ------
@@ -127,9 +133,28 @@ def _apply_filter(native: Callable[..., Any]) -> Callable[..., Any]:
     def method(self: Any, filter_name: str, **parameters: object) -> Any:
         if filter_name in registry():
             return run_filter(self, find_filter(filter_name), parameters)
-        return native(self, filter_name, **parameters)
+        about_to_run = _note_of_native(self, filter_name, parameters)
+        measures = native(self, filter_name, **parameters)
+        if about_to_run is not None:
+            exact_steps.note(self, about_to_run)
+        return measures
 
     return method
+
+
+def _note_of_native(mesh_set: Any, name: str, parameters: dict[str, object]) -> Note | None:
+    """Return the values that a native step is about to run with; None where they cannot be known.
+
+    Mistakes in them are left to pymeshlab, which is about to raise its own errors.
+    """
+    item = native_filters().get(name)
+    if item is None or item.probed or ("empty" in item.fatal and mesh_set.mesh_number() == 0):
+        return None
+    try:
+        used = _native_parameter_values(mesh_set, name, **parameters)
+        return exact_steps.note_of(mesh_set, item, exact_steps.in_full(used, parameters))
+    except Exception:  # noqa: BLE001  pymeshlab raises five unrelated kinds
+        return None
 
 
 def _filter_parameter_values(native: Callable[..., Any]) -> Callable[..., Any]:
@@ -142,15 +167,43 @@ def _filter_parameter_values(native: Callable[..., Any]) -> Callable[..., Any]:
     return method
 
 
+def _load_filter_script(native: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(native)
+    def method(self: Any, filter_script_name: str | Path) -> None:
+        script_history.load_script(self, filter_script_name)
+
+    return method
+
+
+def _save_filter_script(native: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(native)
+    def method(self: Any, filter_script_name: str | Path) -> None:
+        script_history.save_script(self, filter_script_name)
+
+    return method
+
+
 def _apply_filter_script(native: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(native)
+    def method(self: Any, *, progress: Progress | None = None) -> ScriptReport:
+        return script_history.replay(self, progress)
+
+    return method
+
+
+def _clear_filter_script(native: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(native)
     def method(self: Any) -> None:
-        # MeshLab crashes on a script in an empty document, and fails on a step of ours.
-        steps = history.read_history(self)
-        if self.mesh_number() == 0 or not all(is_native(step.menu_name) for step in steps):
-            replay(self)
-        else:
-            native(self)
+        native(self)
+        exact_steps.replace(self, exact_steps.Notes())
+
+    return method
+
+
+def _print_filter_script(native: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(native)
+    def method(self: Any) -> None:
+        listings.print_script(script_history.recorded_script(self))
 
     return method
 
@@ -167,7 +220,7 @@ def _print_filter_list(native: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(native)
     def function() -> None:
         native()
-        _write(["plugins - list of filter names:", *(f"\t{i.python_name}" for i in registry())])
+        listings.print_names(registry())
 
     return function
 
@@ -175,15 +228,10 @@ def _print_filter_list(native: Callable[..., Any]) -> Callable[..., Any]:
 def _print_filter_parameter_list(native: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(native)
     def function(name: str, /) -> None:
-        if name not in registry():
+        if name in registry():
+            listings.print_parameters(find_filter(name))
+        else:
             native(name)
-            return
-        item = find_filter(name)
-        lines = [f"{item.python_name} filter - list of parameter names:"]
-        for known in item.parameters.declared():
-            shown = f"{known.name} : {type(known.default).__name__} = {known.default!r}"
-            lines.append(f"\t{shown}")
-        _write(lines)
 
     return function
 
@@ -192,25 +240,19 @@ def _search(native: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(native)
     def function(keyword: str, /) -> None:
         native(keyword)
-        wanted = keyword.lower()
-        _write(
-            f"{item.python_name} : {item.summary}"
-            for item in registry()
-            if any(wanted in text.lower() for text in (*item.names, item.summary))
-        )
+        listings.print_found(registry(), keyword)
 
     return function
-
-
-def _write(lines: Any) -> None:
-    sys.stdout.write("".join(f"{line}\n" for line in lines))
-    sys.stdout.flush()
 
 
 _METHODS = {
     "apply_filter": _apply_filter,
     "apply_filter_script": _apply_filter_script,
+    "clear_filter_script": _clear_filter_script,
     "filter_parameter_values": _filter_parameter_values,
+    "load_filter_script": _load_filter_script,
+    "print_filter_script": _print_filter_script,
+    "save_filter_script": _save_filter_script,
 }
 _FUNCTIONS = {
     "filter_list": _filter_list,

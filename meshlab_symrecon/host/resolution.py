@@ -134,7 +134,7 @@ def resolve_script(script: Script) -> tuple[ResolvedStep, ...]:
     return tuple(step for step in matching.steps if step is not None)
 
 
-def _resolved(step: Step, findings: Findings) -> ResolvedStep:
+def _resolved(step: Step, findings: Findings) -> ResolvedStep | None:
     known = known_today(step.name)
     old = None if known is not None else find_old_name(step.name)
     if old is not None and old.filter == NOTHING:
@@ -200,8 +200,9 @@ def _resolved_native(
     return ResolvedStep(step, item, values, named, then=then)
 
 
-def _resolved_change(step: Step, findings: Findings) -> ResolvedStep:
+def _resolved_change(step: Step, findings: Findings) -> ResolvedStep | None:
     findings.note(step.line, "the current layer changes, by position")
+    before = findings.errors
     target = NativeParameter("mesh", "mesh", LAYER)
     values = {}
     for written in step.parameters:
@@ -212,4 +213,6 @@ def _resolved_change(step: Step, findings: Findings) -> ResolvedStep:
             values[target.name] = value_of(target, written)[0]
     if not step.parameters:
         raise ParameterError(f"'{step.name.strip()}' needs the parameter 'mesh'; got none")
+    if findings.errors > before:
+        return None
     return ResolvedStep(step, CHANGE_LAYER, values, (target.name,))

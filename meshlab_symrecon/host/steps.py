@@ -1,17 +1,15 @@
-"""One step on a MeshSet, ours or MeshLab's; and the replay of a history of steps."""
+"""One step on a MeshSet, ours or MeshLab's."""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from typing import Any
 
-from meshlab_symrecon.errors import HostError, PluginError, SymReconError, UnknownFilterError
-from meshlab_symrecon.host import history
+from meshlab_symrecon.errors import HostError, PluginError, UnknownFilterError
+from meshlab_symrecon.host import exact_steps, history
 from meshlab_symrecon.host.meshset import add_layer, check_addable, layers_of
 from meshlab_symrecon.host.native_filters import apply_native, find_native, is_native
-from meshlab_symrecon.host.native_values import parse_native
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.scalars import (
     NATIVE_STEPS,
@@ -24,7 +22,7 @@ from meshlab_symrecon.plugin.filter import silent
 from meshlab_symrecon.plugin.parameters import nearest_names
 from meshlab_symrecon.plugin.registry import Registry, installed_filters, origin
 
-__all__ = ["apply_filter", "find_filter", "registry", "replay", "run_filter"]
+__all__ = ["apply_filter", "find_filter", "registry", "run_filter"]
 
 _lock = threading.RLock()
 _found: list[Registry] = []
@@ -93,7 +91,8 @@ def apply_filter(
     name : str
         Python name, alias or menu name.
     progress : callable, optional
-        Called with a fraction 0..1 and a message; MeshLab's own filters do not call it.
+        Called with a fraction 0..1 and a message; for MeshLab's own filters, which report to
+        nobody, at their start and end.
     **parameters
         By their Python names.
 
@@ -113,13 +112,18 @@ def apply_filter(
     HostError
         MeshLab refused the step.
     """
+    report = progress or silent
     if is_native(name):
-        return apply_native(mesh_set, name, parameters)
+        menu_name = find_native(name).menu_name
+        report(0.0, menu_name)
+        measures = apply_native(mesh_set, name, parameters)
+        report(1.0, menu_name)
+        return measures
     try:
         item = find_filter(name)
     except UnknownFilterError as error:
         raise UnknownFilterError(_unknown(name)) from error
-    return run_filter(mesh_set, item, parameters, progress or silent)
+    return run_filter(mesh_set, item, parameters, report)
 
 
 def _unknown(name: str) -> str:
@@ -146,10 +150,11 @@ def run_filter(
         The filter made something that MeshLab cannot hold.
     """
     parameters = item.bind(values)
+    note = exact_steps.note_of(mesh_set, item, parameters.values())
     outcome = item.apply(layers_of(mesh_set), values, progress)
     _write(mesh_set, item, outcome)
     native_steps = NATIVE_STEPS * len(outcome.scalars)
-    if not history.record(mesh_set, item, parameters, native_steps):
+    if not history.record(mesh_set, item, parameters, note, native_steps):
         warn_user(_unrecorded(item, native_steps))
     for sentence in outcome.warnings:
         warn_user(sentence)
@@ -185,51 +190,3 @@ def _write(mesh_set: Any, item: Filter, outcome: Outcome) -> None:
     identifiers = [add_layer(mesh_set, layer, current=False) for layer in outcome.layers]
     if chosen is not None and identifiers:
         mesh_set.set_current_mesh(identifiers[chosen])
-
-
-def replay(mesh_set: Any) -> None:
-    """Run every step of the history again, in order; the history itself stays as it is.
-
-    Names and values of all steps are checked before the first one runs.
-
-    Raises
-    ------
-    HostError
-        A step cannot be read, or failed; the message says which.
-    """
-    steps = history.read_history(mesh_set)
-    runs = []
-    for number, step in enumerate(steps, start=1):
-        with _naming(number, step):
-            runs.append(_prepared(step))
-    try:
-        for number, (step, run) in enumerate(zip(steps, runs, strict=True), start=1):
-            with _naming(number, step):
-                run(mesh_set)
-    finally:
-        history.restore(mesh_set, steps)
-
-
-@contextmanager
-def _naming(number: int, step: history.Step) -> Iterator[None]:
-    try:
-        yield
-    except SymReconError as error:
-        message = f"step {number} of the filter history, '{step.menu_name}': {error}"
-        raise HostError(message) from error
-
-
-def _prepared(step: history.Step) -> Callable[[Any], object]:
-    """Return what runs the step on a MeshSet, its values read and checked."""
-    values: dict[str, object] = {}
-    if is_native(step.menu_name):
-        native = find_native(step.menu_name)
-        for name, text in step.texts.items():
-            parameter = native.find(name)
-            values[parameter.name] = parse_native(parameter, text)
-        return lambda mesh_set: apply_native(mesh_set, native.python_name, values)
-    item = find_filter(step.menu_name)
-    for name, text in step.texts.items():
-        values[name] = item.find(name).parse(text)
-    item.bind(values)
-    return lambda mesh_set: run_filter(mesh_set, item, values)

@@ -130,19 +130,24 @@ end_header
 def _settle(made: Path, wanted: str, path: Path, staged: Path, protected: Iterable[Path]) -> str:
     """Move an image that was made to the first name that is free for it; return the name."""
     folder = path.resolve().parent
-    for name in _names(wanted, path):
-        there, beside = folder / name, staged.parent / name
-        if any(
-            filecmp.cmp(made, file, shallow=False) for file in (there, beside) if file.is_file()
-        ):
-            made.unlink()
-            return name
+
+    def same(name: str) -> bool:
+        files = [file for file in (folder / name, staged.parent / name) if file.is_file()]
+        return any(filecmp.cmp(made, file, shallow=False) for file in files)
+
+    def free(name: str) -> bool:
+        there = folder / name
         ours = name != wanted and there.resolve() not in protected
-        if not beside.exists() and (ours or not there.exists()):
-            beside.parent.mkdir(parents=True, exist_ok=True)
-            made.replace(beside)
-            return name
-    raise AssertionError("there are names without end")
+        return not (staged.parent / name).exists() and (ours or not there.exists())
+
+    name = next(name for name in _names(wanted, path) if same(name) or free(name))
+    if same(name):
+        made.unlink()
+    else:
+        beside = staged.parent / name
+        beside.parent.mkdir(parents=True, exist_ok=True)
+        made.replace(beside)
+    return name
 
 
 def _names(wanted: str, path: Path) -> Iterable[str]:

@@ -1,19 +1,13 @@
-"""The docs of filters, rendered from their declarations in the form of MeshLab's own list."""
+"""The docs of filters, rendered from their declarations: lines, docstrings, facts for JSON."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 from meshlab_symrecon.plugin.filter import Filter
 from meshlab_symrecon.plugin.parameters import Kind, Parameter
 
-__all__ = ["describe", "filters_page", "method_documentation", "parameter_lines", "signature"]
-
-PAGE_HEAD = """# The filters
-
-Rendered from the filters' declarations by `make docs`; edit those, not this page.
-"""
+__all__ = ["describe", "method_documentation", "parameter_lines", "signature"]
 
 
 def signature(item: Filter) -> str:
@@ -36,34 +30,6 @@ def _parameter_line(parameter: Parameter) -> str:
         f"- `{parameter.name}` : {parameter.range_words} = {shown}. "
         f"*{parameter.label}*: {parameter.tooltip}"
     )
-
-
-def filters_page(filters: Iterable[Filter]) -> str:
-    """Return the docs page of all filters, in Markdown."""
-    return PAGE_HEAD + "".join(_section(item) for item in filters)
-
-
-def _section(item: Filter) -> str:
-    lines = [
-        "",
-        f"## {item.menu_name}",
-        "",
-        f"`ms.{item.python_name}()`"
-        + "".join(f", alias `{alias}`" for alias in item.aliases)
-        + f" · {item.meshlab_class} · {item.category}",
-        "",
-        item.summary,
-        "",
-        item.description,
-        "",
-        "**Parameters**",
-        "",
-        *(parameter_lines(item) or ["None."]),
-        "",
-    ]
-    if item.citations:
-        lines += ["**References**", "", *(f"- {citation}" for citation in item.citations), ""]
-    return "\n".join(lines)
 
 
 def describe(item: Filter) -> dict[str, Any]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pymeshlab
 import pytest
 
-from meshlab_symrecon.errors import HostError, ParameterError, SymReconWarning
+from meshlab_symrecon.errors import HostError, ParameterError, ScriptError, SymReconWarning
 from meshlab_symrecon.host import history, registration
 from meshlab_symrecon.host.history import Step, read_history, restore
 
@@ -91,7 +93,7 @@ def test_a_replay_leaves_the_history_as_it_is(plugins, cloud_set):
     assert cloud_set.mesh_number() == 5
 
 
-def test_a_native_history_is_replayed_natively(plugins, cloud_set):
+def test_a_native_history_is_replayed(plugins, cloud_set):
     cloud_set.create_cube(size=2.0)
     cloud_set.apply_filter_script()
     assert cloud_set.mesh_number() == 3
@@ -141,18 +143,19 @@ def test_a_script_is_checked_before_its_first_step_runs(plugins, cloud_set):
         (Step("Grow Points", ({**bad, "name": "size"},)), "unknown parameter 'size'"),
     ):
         restore(cloud_set, [cube, step])
-        with pytest.raises(HostError, match=f"^step 2 of the filter history, .*{reason}"):
+        with pytest.raises(ScriptError, match=f"^filter history: step 2: .*{reason}"):
             cloud_set.apply_filter_script()
         assert cloud_set.mesh_number() == 1
+        assert names(cloud_set) == ["Box/Cube", step.menu_name]
 
 
 def test_a_step_that_fails_in_a_replay_is_named_and_the_history_stays(plugins):
     mesh_set = pymeshlab.MeshSet(verbose=False)
     steps = [Step("Do Nothing", ()), Step("Grow Points", ())]
     restore(mesh_set, steps)
-    with pytest.raises(HostError, match=r"^step 2 of the filter history, 'Grow Points': "):
+    with pytest.raises(ScriptError, match=r"^filter history: step 2: 'Grow Points'"):
         mesh_set.apply_filter_script()
-    assert [step.menu_name for step in read_history(mesh_set)] == ["Do Nothing", "Grow Points"]
+    assert names(mesh_set) == ["Do Nothing", "Grow Points"]
 
 
 def test_a_history_with_a_camera_is_not_rewritten(plugins, cloud_set, monkeypatch):
@@ -173,7 +176,12 @@ def test_a_history_with_a_camera_is_not_rewritten(plugins, cloud_set, monkeypatc
         registration.apply_filter(cloud_set, "apply_nothing")
     with pytest.raises(HostError, match="step 'Set Camera' has a camera"):
         restore(cloud_set, read_history(cloud_set))
+    with pytest.raises(HostError, match="step 'Set Camera' has a camera"):
+        cloud_set.apply_filter_script()
+    with pytest.raises(HostError, match="step 'Set Camera' has a camera"):
+        cloud_set.save_filter_script("camera.mlx")
     assert loads == []
+    assert not Path("camera.mlx").exists()
 
 
 def test_an_empty_history(cloud_set):

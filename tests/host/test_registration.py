@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import inspect
+import re
+import subprocess
+import sys
 import threading
 from dataclasses import replace
 
@@ -22,7 +25,7 @@ from meshlab_symrecon.errors import (
 from meshlab_symrecon.host import registration, steps
 from meshlab_symrecon.host.history import read_history
 from meshlab_symrecon.plugin import Outcome
-from meshlab_symrecon.plugin.registry import PluginFailure
+from meshlab_symrecon.plugin.registry import PluginFailure, installed_filters
 
 LISTS = ("filter_list", "print_filter_list", "print_filter_parameter_list", "search")
 NAMES = ("generate_grown_points", "grow_points", "Grow Points")
@@ -104,6 +107,14 @@ def test_progress_is_heard(installed, cloud_set):
         cloud_set, "grow_points", progress=lambda *news: heard.append(news)
     )
     assert heard == [(1.0, "grown")]
+
+
+def test_progress_of_a_native_filter_is_its_start_and_its_end(installed, cloud_set):
+    heard = []
+    meshlab_symrecon.apply_filter(
+        cloud_set, "create_cube", progress=lambda *news: heard.append(news)
+    )
+    assert heard == [(0.0, "Box/Cube"), (1.0, "Box/Cube")]
 
 
 def test_nothing_measured_is_an_empty_dict(installed, cloud_set):
@@ -222,9 +233,40 @@ def test_filter_list(plugins):
     assert len(names) == len(set(names)) == len(registration._native_filter_list()) + 2
 
 
+def printed_by(*calls):
+    """Return what a process of its own prints, to C++'s standard output and to Python's."""
+    lines = ["import pymeshlab, meshlab_symrecon", "meshlab_symrecon.load_plugins()", *calls]
+    done = subprocess.run(
+        [sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, check=True
+    )
+    return done.stdout
+
+
+def test_our_names_go_on_with_the_native_list_in_its_form():
+    ours = [item.python_name for item in installed_filters()]
+    lines = printed_by("pymeshlab.print_filter_list()").splitlines()
+    assert lines[1:] == [f"\t{name}" for name in [*registration._native_filter_list(), *ours]]
+
+
+def test_our_parameters_are_printed_in_the_native_form():
+    lines = printed_by(
+        "pymeshlab.print_filter_parameter_list('generate_simplified_points')",
+        "pymeshlab.print_filter_parameter_list('compute_matrix_from_rotation')",
+    ).splitlines()
+    form = re.compile(
+        r"\t\w+ : (bool|int|float|str|numpy[^ ]*)( \(bounded\))? = .*?( \[min: .*; max: .*\])?"
+    )
+    shown = [line for line in lines if line.startswith("\t")]
+    assert all(form.fullmatch(line) for line in shown)
+    assert "\tangle : float (bounded) = 0 [min: -360; max: 360]" in shown
+    assert "\tpercentage : float (bounded) = 10.0 [min: 0; max: 100]" in shown
+    titles = [line for line in lines if line.endswith(" filter - list of parameter names:")]
+    assert [title.split()[0] for title in titles] == [
+        "generate_simplified_points", "compute_matrix_from_rotation",
+    ]  # fmt: skip
+
+
 def test_printed_lists(plugins, capsys):
-    pymeshlab.print_filter_list()
-    assert "\tgenerate_grown_points\n\tapply_nothing\n" in capsys.readouterr().out
     pymeshlab.print_filter_parameter_list("Grow Points")
     assert capsys.readouterr().out == (
         "generate_grown_points filter - list of parameter names:\n"

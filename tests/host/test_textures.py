@@ -53,7 +53,6 @@ def named_in(obj: Path) -> str:
         ("my paint.png", None, "my_paint.png"),
     ],
 )
-@pytest.mark.filterwarnings("ignore:.*only the name is kept")
 def test_an_image_is_copied_byte_for_byte_to_a_place_beside_the_output(
     tmp_path, name, image, written
 ):
@@ -148,6 +147,37 @@ def test_a_changed_image_is_written_from_memory(tmp_path):
     assert np.abs(colours[:, :3] - [1.0, 0.0, 0.0]).max() < 0.02
 
 
+def test_an_image_that_is_gone_since_is_written_from_memory(tmp_path):
+    source = textured(tmp_path / "in", "a.png")
+    mesh_set = load(source)
+    (tmp_path / "in" / "a.png").unlink()
+    save_current(mesh_set, tmp_path / "new.obj")
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_image_that_cannot_be_written_is_told_and_the_mesh_is_written(tmp_path, monkeypatch):
+    mesh_set = load(textured(tmp_path / "in", "a.png"))
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("meshlab_symrecon.host.textures._make", full)
+    with pytest.warns(SymReconWarning, match="the texture a.png was left out: .*No space left"):
+        save_current(mesh_set, tmp_path / "new.obj")
+    assert {path.name for path in tmp_path.glob("*.*")} == {"new.obj", "new.obj.mtl"}
+
+
+def test_materials_without_permission(tmp_path, monkeypatch):
+    source = textured(tmp_path, "a.png")
+
+    def refused(*_):
+        raise PermissionError(13, "Permission denied", str(tmp_path / "in.mtl"))
+
+    monkeypatch.setattr("meshlab_symrecon.host.importing._named_images", refused)
+    with pytest.raises(FileError, match=r"in\.mtl cannot be read: Permission denied"):
+        load(source)
+
+
 def test_of_a_missing_image_the_name_is_kept_and_nothing_invented(tmp_path):
     source = textured(tmp_path, "paint/a.png")
     (tmp_path / "paint" / "a.png").unlink()
@@ -161,9 +191,48 @@ def test_of_a_missing_image_the_name_is_kept_and_nothing_invented(tmp_path):
     assert list(tmp_path.rglob("*.png")) == []
 
 
-def test_an_image_that_meshlab_cannot_read_by_its_name_is_told(tmp_path):
-    with pytest.warns(SymReconWarning, match="since MeshLab does not read an image of that name"):
-        load(textured(tmp_path, "my paint.png"))
+@pytest.mark.parametrize("links", [True, False])
+def test_images_of_names_that_meshlab_does_not_read_stay_with_their_faces(
+    tmp_path, monkeypatch, links
+):
+    """MeshLab would take one stand-in for all of them."""
+
+    def refused(*_):
+        raise OSError("no links here")
+
+    if not links:
+        monkeypatch.setattr(Path, "symlink_to", refused)
+    names = ["a 1.png", "../b 2.png", "c.png"]
+    maps = ["map_Kd a 1.png", "map_Kd -s 1 1 1 ../b 2.png", "map_Kd c.png"]
+    (tmp_path / "in").mkdir()
+    for number, name in enumerate(names):
+        inputs.png(tmp_path / "in" / name, seed=number)
+    materials = [f"newmtl m{i}\n{line}\n" for i, line in enumerate(maps)]
+    (tmp_path / "in" / "in.mtl").write_text("".join(materials))
+    faces = "".join(f"usemtl m{i}\nf 1/1 2/2 {i + 3}/3\n" for i in (1, 0, 2))
+    vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\n"
+    (tmp_path / "in" / "in.obj").write_text(f"mtllib in.mtl\n{vertices}{faces}")
+    save_current(load(tmp_path / "in" / "in.obj"), tmp_path / "out.obj")
+    written = [tmp_path / plain for plain in ("a_1.png", "b_2.png", "c.png")]
+    for name, file in zip(names, written, strict=True):
+        assert file.read_bytes() == (tmp_path / "in" / name).read_bytes()
+    uses: dict[str, str] = {}
+    material = ""
+    for line in (tmp_path / "out.obj").read_text().splitlines():
+        material = line if line.startswith("usemtl") else material
+        if line.startswith("f "):
+            uses[line.split()[3].partition("/")[0]] = material.split()[1]
+    images = {}
+    for line in (tmp_path / "out.obj.mtl").read_text().splitlines():
+        if line.startswith("newmtl"):
+            material = line.split()[1]
+        elif line.startswith("map_Kd"):
+            images[material] = line.split()[1]
+    assert {corner: images[use] for corner, use in uses.items()} == {
+        "3": "a_1.png",
+        "4": "b_2.png",
+        "5": "c.png",
+    }
 
 
 @pytest.mark.parametrize("extension", ["x3d", "wrl"])

@@ -8,7 +8,6 @@ from dataclasses import replace
 from meshlab_symrecon.plugin import ParameterSet
 from meshlab_symrecon.plugin.documentation import (
     describe,
-    filters_page,
     method_documentation,
     parameter_lines,
     signature,
@@ -28,17 +27,6 @@ def test_parameter_lines(grow_filter):
         "- `factor` : a number of at least 0 = 2.0. *Factor*: Points move away from 0 by this.",
         "- `about` : one of 'origin', 'centre' = 'origin'. *About*: What stays where it is.",
     ]
-
-
-def test_page(grow_filter):
-    page = filters_page([grow_filter, replace(grow_filter, parameters=Nothing, citations=())])
-    first, second = page.split("## Grow Points\n")[1:]
-    assert "`ms.generate_grown_points()`, alias `grow_points` · Remeshing · Creation/" in first
-    for text in ("Every point is multiplied by a factor.", *parameter_lines(grow_filter)):
-        assert text in first
-    assert "- A. Author (2001). On growth. Journal. doi:10.1/2" in first
-    assert "**Parameters**\n\nNone." in second
-    assert "References" not in second
 
 
 def test_facts_survive_json(grow_filter):
