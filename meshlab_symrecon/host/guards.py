@@ -9,6 +9,8 @@ import numpy as np
 
 from meshlab_symrecon.errors import GeometryError, HostError, ParameterError
 from meshlab_symrecon.host.meshset import current_identifier
+from meshlab_symrecon.host.shape_guards import FATAL_WITH_NAN, check_shape
+from meshlab_symrecon.host.value_limits import check_limits
 
 if TYPE_CHECKING:
     from meshlab_symrecon.host.native_filters import NativeFilter
@@ -20,17 +22,28 @@ __all__ = [
     "check_faces",
     "check_finite",
     "check_layers",
+    "check_normals",
     "check_sound",
     "check_step",
     "check_vertices",
+    "empties_clouds",
     "reason_to_skip",
 ]
 
-# Filters that crash when two of their layers are one, and the parameters that name these layers.
+# Filters that crash or fail when two of their layers are one, and the parameters that name them.
 NEED_TWO_LAYERS = {
+    "apply_coord_craters_from_point_cloud": ("target_mesh", "samples_mesh"),
     "compute_matrix_by_icp_between_meshes": ("referencemesh", "sourcemesh"),
     "compute_mls_projection_apss": ("controlmesh", "proxymesh"),
     "compute_mls_projection_rimls": ("controlmesh", "proxymesh"),
+    "compute_scalar_by_distance_from_another_mesh_per_vertex": ("measuremesh", "refmesh"),
+    "get_hausdorff_distance": ("sampledmesh", "targetmesh"),
+    "transfer_attributes_per_vertex": ("sourcemesh", "targetmesh"),
+}
+# Filters that crash unless the layer that this parameter names is the current one.
+WANT_CURRENT = {
+    "compute_mls_projection_apss": "controlmesh",
+    "compute_mls_projection_rimls": "controlmesh",
 }
 ALWAYS_ABORTS = frozenset({"create_mesh_by_grammar"})  # whatever the grammar
 # Filters that clean meshes, common in scripts, and delete every point of a cloud.
@@ -42,11 +55,22 @@ EMPTY_CLOUDS = frozenset(
         "meshing_remove_unreferenced_vertices",
     }
 )
-# Filters that do so in passing, and the parameter that names the layer
-# (none: the current one).
+# The same, but only with that value.
+EMPTY_CLOUDS_WITH: dict[str, tuple[str, object]] = {
+    "meshing_repair_non_manifold_edges": ("method", "Split Vertices")
+}
+# Filters that abort for that value whatever they work on.
+ABORTS_WITH: dict[str, tuple[str, object]] = {
+    "generate_dust_accumulation_point_cloud": ("draw_texture", True)
+}
+POISSON = "generate_surface_reconstruction_screened_poisson"
+# Filters that do so in passing, or crash on layers with edges only, and the parameter that names
+# the layer (none: the current one).
 EMPTY_CLOUDS_TOO = {
     "compute_color_by_point_cloud_voronoi_projection": "coloredmesh",
+    "compute_iso_parametrization": "",
     "generate_solid_wireframe": "",
+    "get_scalar_statistics_per_face": "",
 }
 
 
@@ -59,14 +83,17 @@ def check_step(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> 
         As the other functions of this module.
     """
     check_display(item)
-    check_sound(item)
+    check_sound(item, values)
+    check_limits(item, values)
     check_document(mesh_set, item)
     check_layers(mesh_set, item, values)
     if current_identifier(mesh_set) >= 0:
-        check_distinct(mesh_set, item, values)
         check_vertices(mesh_set, item)
+        check_distinct(mesh_set, item, values)
         check_faces(mesh_set, item, values)
         check_finite(mesh_set, item, values)
+        check_normals(mesh_set, item)
+        check_shape(mesh_set, item, values)
 
 
 def check_display(item: NativeFilter) -> None:
@@ -84,16 +111,23 @@ def check_display(item: NativeFilter) -> None:
         raise HostError(message)
 
 
-def check_sound(item: NativeFilter) -> None:
-    """Refuse a filter that aborts the process whatever it is given.
+def check_sound(item: NativeFilter, values: Mapping[str, Any]) -> None:
+    """Refuse a filter that aborts the process whatever it works on.
 
     Raises
     ------
     HostError
     """
-    if item.python_name in ALWAYS_ABORTS:
-        message = f"'{item.menu_name}' aborts in pymeshlab 2025.7; run it in the MeshLab program"
-        raise HostError(message)
+    name, where = item.python_name, ""
+    if name in ABORTS_WITH:
+        parameter, value = ABORTS_WITH[name]
+        if values.get(parameter) != value:
+            return
+        where = f" with '{parameter}' set to {str(value).lower()}"
+    elif name not in ALWAYS_ABORTS:
+        return
+    message = f"'{item.menu_name}' aborts in pymeshlab 2025.7{where}; run it in the MeshLab program"
+    raise HostError(message)
 
 
 def check_document(mesh_set: Any, item: NativeFilter) -> None:
@@ -127,7 +161,7 @@ def check_layers(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -
 
 
 def check_distinct(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse one layer in two roles, given or by default, where MeshLab would crash on it.
+    """Refuse one layer in two roles, or the wrong one in a role, where MeshLab would fail on it.
 
     Raises
     ------
@@ -141,6 +175,13 @@ def check_distinct(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any])
         message = (
             f"'{item.menu_name}' needs two layers; got {used[first]} as '{first}' and as "
             f"'{second}'; name two different ones"
+        )
+        raise ParameterError(message)
+    wanted = WANT_CURRENT.get(item.python_name)
+    if wanted is not None and used[wanted] != current_identifier(mesh_set):
+        message = (
+            f"'{item.menu_name}' needs the current layer as '{wanted}'; got {used[wanted]}; the "
+            f"current one is {current_identifier(mesh_set)}; make the other one current first"
         )
         raise ParameterError(message)
 
@@ -192,33 +233,62 @@ def check_faces(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) ->
 
 
 def check_finite(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse defaults that are shares of the box when a vertex is NaN: the box is then made up.
+    """Refuse NaN where a filter crashes on it, or takes shares of a box that it makes meaningless.
 
     Raises
     ------
     GeometryError
     """
-    defaulted = [
-        parameter.name
-        for parameter in item.parameters
-        if parameter.rich_type == "RichAbsPerc" and parameter.name not in values
-    ]
-    if not defaulted:
+    shares = (known.name for known in item.parameters if known.rich_type == "RichAbsPerc")
+    defaulted = [name for name in shares if name not in values]
+    fatal = item.python_name in FATAL_WITH_NAN
+    if not defaulted and not fatal:
+        return
+    used = set(_layers_used(mesh_set, item, values).values()) if fatal else set()
+    for number in sorted(used | {current_identifier(mesh_set)}):
+        mesh = mesh_set.mesh(number)
+        bad = np.count_nonzero(~np.isfinite(mesh.vertex_matrix()).all(axis=1))
+        if bad:
+            why = "fails on NaN" if fatal else f"measures '{defaulted[0]}' by the layer's box"
+            message = (
+                f"'{item.menu_name}' {why}; layer '{mesh.label()}' has {bad} points with NaN or "
+                "infinity; remove them first"
+            )
+            raise GeometryError(message)
+
+
+def check_normals(mesh_set: Any, item: NativeFilter) -> None:
+    """Refuse Screened Poisson without normals: its 'preclean' would delete every point.
+
+    Raises
+    ------
+    GeometryError
+    """
+    if item.python_name != POISSON:
         return
     mesh = mesh_set.current_mesh()
-    bad = np.count_nonzero(~np.isfinite(mesh.vertex_matrix()).all(axis=1))
-    if bad:
+    if mesh.face_number() == 0 and mesh.vertex_number() and not np.any(mesh.vertex_normal_matrix()):
         message = (
-            f"'{item.menu_name}' measures '{defaulted[0]}' by the layer's box; layer "
-            f"'{mesh.label()}' has {bad} points with NaN or infinity; remove them first"
+            f"'{item.menu_name}' needs normals; layer '{mesh.label()}' has none; compute normals "
+            "for point sets first"
         )
         raise GeometryError(message)
 
 
-def reason_to_skip(mesh_set: Any, item: NativeFilter) -> str:
+def reason_to_skip(
+    mesh_set: Any, item: NativeFilter, values: Mapping[str, Any] | None = None
+) -> str:
     """Say why a cleaning step must not run although it would not crash; empty when it may run."""
-    if item.python_name in EMPTY_CLOUDS and current_identifier(mesh_set) >= 0:
+    if empties_clouds(item, values or {}) and current_identifier(mesh_set) >= 0:
         mesh = mesh_set.current_mesh()
         if mesh.face_number() == 0 and mesh.vertex_number() > 0:
             return f"layer '{mesh.label()}' has no faces, so every point would be deleted"
     return ""
+
+
+def empties_clouds(item: NativeFilter, values: Mapping[str, Any]) -> bool:
+    """Say whether a cleaning step with these values deletes every point of a cloud."""
+    if item.python_name in EMPTY_CLOUDS_WITH:
+        parameter, value = EMPTY_CLOUDS_WITH[item.python_name]
+        return bool(values.get(parameter) == value)
+    return item.python_name in EMPTY_CLOUDS

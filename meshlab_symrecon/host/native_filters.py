@@ -23,6 +23,8 @@ from meshlab_symrecon.plugin.registry import plain_name
 
 __all__ = ["NativeFilter", "apply_native", "find_native", "is_native", "native_filters"]
 
+THREADS = "threads"
+
 
 @dataclass(frozen=True, slots=True)
 class NativeFilter:
@@ -130,7 +132,9 @@ def apply_native(mesh_set: Any, name: str, values: Mapping[str, object]) -> dict
     """Run one of MeshLab's filters; return what it measured.
 
     Checks first what would end the process or do silent damage. A percentage given as a plain
-    number is an absolute length.
+    number is an absolute length. A filter with a parameter ``threads`` (Screened Poisson) runs in
+    one thread unless told otherwise: with more, its result differs in the last bits from run to
+    run, and on a busy machine it takes longer.
 
     Raises
     ------
@@ -148,8 +152,10 @@ def apply_native(mesh_set: Any, name: str, values: Mapping[str, object]) -> dict
     for given, value in values.items():
         parameter = item.find(given)
         arguments[parameter.name] = checked_value(parameter, value)
+    if any(parameter.name == THREADS for parameter in item.parameters):
+        arguments.setdefault(THREADS, 1)
     check_step(mesh_set, item, arguments)
-    skipped = reason_to_skip(mesh_set, item)
+    skipped = reason_to_skip(mesh_set, item, arguments)
     if skipped:
         warn_user(f"'{item.menu_name}' was skipped: {skipped}")
         return {}

@@ -1,9 +1,12 @@
 """Make the table of MeshLab's own filters: ``python -m meshlab_symrecon.host.native_table``.
 
-pymeshlab tells neither menu names, nor types, nor which filters kill the process. So each filter
-is run with its defaults, in a child process, on one document of each kind: what the children
-write to their history gives names and types, how they end tells which kinds are fatal. Posix only;
-takes a few minutes. The result is committed and only read at run time.
+pymeshlab tells neither menu names, nor types, nor which filters kill the process, nor what they do
+to a document. So each filter is run with its defaults, in a child process, on one document of each
+kind: what the children write to their history gives names and types, how they end tells which kinds
+are fatal. Then it is run with every other choice of each parameter, and what it needs and leaves
+behind is told from all these trials. Posix only; takes about twenty minutes. The result is
+committed and only read at run time. With names of filters behind the command, only these are tried
+again.
 """
 
 from __future__ import annotations
@@ -24,75 +27,15 @@ from xml.etree import ElementTree
 import numpy as np
 import pymeshlab
 
+from meshlab_symrecon.host.native_behaviour import Before, behaviour
+from meshlab_symrecon.host.native_documents import DOCUMENTS
+from meshlab_symrecon.host.native_trials import TALKS, Bench, variations
 from meshlab_symrecon.host.translation import script_name_in_python
 
-__all__ = ["DOCUMENTS", "main"]
+__all__ = ["main"]
 
 SECONDS = 20  # for one filter on one document
 RAISED = 3  # exit code of a child whose filter raised an exception: the honest way to fail
-
-
-def _mesh() -> Any:
-    """Return two closed meshes with colours, quality and selections."""
-    mesh_set = pymeshlab.MeshSet(verbose=False)
-    mesh_set.create_cube()
-    mesh_set.create_sphere(subdiv=2)
-    mesh_set.compute_color_by_function_per_vertex()
-    mesh_set.compute_color_by_function_per_face()
-    mesh_set.compute_scalar_by_function_per_vertex(q="x")
-    mesh_set.compute_scalar_by_function_per_face(q="x0")
-    mesh_set.compute_selection_by_condition_per_vertex(condselect="x>0.3")
-    mesh_set.compute_selection_by_condition_per_face(condselect="x0>0.3")
-    return mesh_set
-
-
-def _textured() -> Any:
-    mesh_set = _mesh()
-    mesh_set.compute_texcoord_parametrization_triangle_trivial_per_wedge(sidedim=0, textdim=256)
-    mesh_set.compute_texmap_from_color(textname="colours.png")
-    return mesh_set
-
-
-def _sheet() -> Any:
-    """Return a mesh with a boundary and texture coordinates a vertex, and clouds."""
-    mesh_set = _cloud()
-    mesh_set.create_grid(numvertx=12, numverty=12)
-    mesh_set.compute_texcoord_parametrization_flat_plane_per_wedge()
-    mesh_set.compute_texcoord_transfer_wedge_to_vertex()
-    return mesh_set
-
-
-def _cloud() -> Any:
-    """Return two clouds with normals that lie almost on each other."""
-    mesh_set = pymeshlab.MeshSet(verbose=False)
-    directions = np.random.default_rng(0).normal(size=(500, 3))
-    normals = directions / np.linalg.norm(directions, axis=1, keepdims=True)
-    for shift in (0.0, 0.01):
-        points = normals * [1.0, 2.0, 3.0] + shift
-        mesh_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_normals_matrix=normals))
-    return mesh_set
-
-
-def _void() -> Any:
-    """Return one layer from which every vertex was deleted."""
-    mesh_set = _cloud()
-    mesh_set.set_selection_all()
-    mesh_set.meshing_remove_selected_vertices()
-    return mesh_set
-
-
-def _empty() -> Any:
-    return pymeshlab.MeshSet(verbose=False)
-
-
-DOCUMENTS: dict[str, Callable[[], Any]] = {
-    "mesh": _mesh,
-    "textured": _textured,
-    "sheet": _sheet,
-    "cloud": _cloud,
-    "void": _void,
-    "empty": _empty,
-}
 
 
 def _in_child(task: Callable[[], None], folder: Path) -> int:
@@ -163,7 +106,7 @@ def _probe(name: str, answer: Path) -> None:
     A layer's number is guessed from the parameter's name, and the case of that name in scripts
     stays unknown. A camera among the parameters makes pymeshlab leave the process.
     """
-    mesh_set = _mesh()
+    mesh_set = DOCUMENTS["mesh"]()
     found = []
     for parameter, default in mesh_set.filter_parameter_values(name).items():
         facts: dict[str, Any] = {"name": parameter, "script_name": parameter}
@@ -191,6 +134,26 @@ def _probed_type(mesh_set: Any, name: str, parameter: str, default: Any) -> dict
     return {"type": "RichColor" if isinstance(default, pymeshlab.Color) else "RichShotf"}
 
 
+def _behaviour(
+    bench: Bench, before: Before, name: str, parameters: list[dict[str, Any]] | None
+) -> dict[str, Any] | None:
+    """Return what the trials of a filter show; None for one that is never tried."""
+    if name in TALKS:
+        return None
+    known = parameters or []
+    choices = [{}, *variations(known, bench.defaults(name))]
+    trials = []
+    slow: set[str] = set()  # documents on which more trials would take too long
+    for values in choices:
+        for document in DOCUMENTS:
+            if values and (document == "empty" or document in slow):
+                continue
+            trials.append(bench.run(name, document, values))
+            if trials[-1].ending == "slow":
+                slow.add(document)
+    return behaviour(trials, before, any(p["type"] == "RichMesh" for p in known))
+
+
 def main() -> None:
     """Write the table to the standard output, as JSON, one filter a line.
 
@@ -199,9 +162,15 @@ def main() -> None:
     known = json.loads(files("meshlab_symrecon.host").joinpath("native_filters.json").read_bytes())
     table = {}
     with tempfile.TemporaryDirectory(prefix="symrecon-") as folder:
+        bench = Bench(Path(folder))
+        before = {document: bench.before(document) for document in DOCUMENTS}
         for name in pymeshlab.filter_list():
+            table[name] = known.get(name, {})
+            if sys.argv[1:] and name not in sys.argv[1:]:
+                continue
             facts = _facts(name, Path(folder))
-            facts["menu"] = facts["menu"] or known.get(name, {}).get("menu")
+            facts["menu"] = facts["menu"] or table[name].get("menu")
+            facts["behaviour"] = _behaviour(bench, before, name, facts["parameters"])
             table[name] = facts
     lines = (f"{json.dumps(name)}: {json.dumps(facts)}" for name, facts in table.items())
     sys.stdout.write("{\n" + ",\n".join(lines) + "\n}\n")

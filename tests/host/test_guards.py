@@ -10,8 +10,10 @@ import pymeshlab
 import pytest
 
 from meshlab_symrecon.errors import GeometryError, HostError, ParameterError, SymReconWarning
-from meshlab_symrecon.host.guards import EMPTY_CLOUDS
+from meshlab_symrecon.host.guards import EMPTY_CLOUDS, NEED_TWO_LAYERS
 from meshlab_symrecon.host.native_filters import apply_native, find_native, native_filters
+from meshlab_symrecon.host.shape_guards import FATAL_WITH_NAN
+from meshlab_symrecon.host.value_limits import ABOVE_ZERO, LEAST, MOST
 
 DRAW = [name for name, item in native_filters().items() if item.display]
 
@@ -74,7 +76,7 @@ def test_a_default_layer_that_does_not_exist_is_refused(cloud_set):
     [
         ("compute_mls_projection_apss", {}),
         ("compute_mls_projection_rimls", {"controlmesh": 0, "proxymesh": 0}),
-        ("compute_matrix_by_icp_between_meshes", {"sourcemesh": 0, "referencemesh": 0}),
+        *((name, dict.fromkeys(roles, 0)) for name, roles in NEED_TWO_LAYERS.items()),
     ],
 )
 def test_one_layer_in_two_roles_is_refused(cloud_set, name, values):
@@ -109,6 +111,8 @@ def test_a_layer_without_points_is_refused_where_it_would_crash(cloud_set, name)
     [
         *fatal_on("cloud"),
         "generate_solid_wireframe",
+        "compute_iso_parametrization",
+        "get_scalar_statistics_per_face",
         "compute_color_by_point_cloud_voronoi_projection",
     ],
 )
@@ -163,16 +167,200 @@ def test_shares_of_a_box_are_refused_when_a_point_is_not_finite(points):
     apply_native(mesh_set, "compute_selection_by_condition_per_vertex", {"condselect": "y != y"})
 
 
+def test_a_repair_that_would_delete_a_cloud_is_skipped(cloud_set, points):
+    name, menu = "meshing_repair_non_manifold_edges", "'Repair non Manifold Edges' was skipped"
+    with pytest.warns(SymReconWarning, match=menu):
+        apply_native(cloud_set, name, {"method": "Split Vertices"})
+    apply_native(cloud_set, name, {"method": "Remove Faces"})
+    np.testing.assert_array_equal(cloud_set.current_mesh().vertex_matrix(), points)
+
+
+@pytest.mark.parametrize("preclean", [True, False])
+def test_screened_poisson_without_normals_is_refused(cloud_set, points, preclean):
+    """With 'preclean', MeshLab would delete every point."""
+    with pytest.raises(GeometryError, match="needs normals; layer 'scan' has none"):
+        apply_native(
+            cloud_set, "generate_surface_reconstruction_screened_poisson", {"preclean": preclean}
+        )
+    np.testing.assert_array_equal(cloud_set.current_mesh().vertex_matrix(), points)
+
+
+def test_screened_poisson_gives_the_same_bits_every_time(points):
+    """It does in one thread only."""
+    normals = points / np.linalg.norm(points, axis=1, keepdims=True)
+    made = []
+    for _ in range(2):
+        mesh_set = pymeshlab.MeshSet(verbose=False)
+        mesh_set.add_mesh(pymeshlab.Mesh(vertex_matrix=normals, v_normals_matrix=normals))
+        apply_native(mesh_set, "generate_surface_reconstruction_screened_poisson", {"depth": 4})
+        made.append(mesh_set.current_mesh().vertex_matrix())
+    np.testing.assert_array_equal(made[0], made[1])
+    assert len(made[0]) > 50
+
+
+def test_a_value_that_aborts_is_refused(cloud_set):
+    cloud_set.create_cube()
+    with pytest.raises(HostError, match=r"aborts in .* with 'draw_texture' set to true; run"):
+        apply_native(cloud_set, "generate_dust_accumulation_point_cloud", {"draw_texture": True})
+
+
+def too_low():
+    for name, parameters in ABOVE_ZERO.items():
+        yield from ((name, parameter, 0.0, "above 0") for parameter in parameters)
+    for name, least in LEAST.items():
+        for parameter, low in least.items():
+            yield name, parameter, low - 1, f"at least {low}"
+    for name, most in MOST.items():
+        for parameter, high in most.items():
+            yield name, parameter, high + 1, f"at most {high}"
+
+
+@pytest.mark.parametrize(("name", "parameter", "value", "wanted"), list(too_low()))
+def test_values_that_crash_or_never_end_are_refused(cloud_set, name, parameter, value, wanted):
+    find_native(name).find(parameter)
+    with pytest.raises(ParameterError, match=f"'{parameter}' of .* must be {wanted}, or MeshLab"):
+        apply_native(cloud_set, name, {parameter: value})
+
+
+def test_values_at_the_limits_run(cloud_set):
+    apply_native(cloud_set, "compute_normal_for_point_clouds", {"k": 1})
+    apply_native(cloud_set, "create_torus", {"hsubdiv": 3, "vsubdiv": 3})
+    apply_native(
+        cloud_set, "meshing_isotropic_explicit_remeshing",
+        {"targetlen": pymeshlab.PercentageValue(50.0), "iterations": 1},
+    )  # fmt: skip
+    assert cloud_set.mesh_number() == 2
+
+
+@pytest.mark.parametrize("name", sorted(FATAL_WITH_NAN))
+def test_nan_is_refused_where_it_would_crash(name):
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    points = np.random.default_rng(1).normal(size=(12, 3))
+    points[5, 2] = np.nan
+    mesh_set.add_mesh(pymeshlab.Mesh(points, np.arange(12).reshape(4, 3)), "scan")
+    with pytest.raises(GeometryError, match="fails on NaN; layer 'scan' has 1 points with NaN"):
+        apply_native(mesh_set, name, {})
+
+
+def test_nan_in_another_layer_is_found(cloud_set):
+    bad = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, np.nan, 0.0]])
+    cloud_set.add_mesh(pymeshlab.Mesh(bad, np.array([[0, 1, 2]])), "bad")
+    cloud_set.create_cube()
+    with pytest.raises(GeometryError, match="layer 'bad' has 1 points with NaN"):
+        apply_native(cloud_set, "generate_boolean_union", {"first_mesh": 2, "second_mesh": 1})
+
+
+FAN = np.array([[0, 1, 2], [0, 1, 3], [0, 1, 4]])  # three faces on one edge
+SHAPES = {
+    "nothing": (np.ones((3, 3)), np.array([[0, 1, 2]])),
+    "fan": (np.random.default_rng(2).normal(size=(5, 3)), FAN),
+    "stray": (np.random.default_rng(2).normal(size=(5, 3)), FAN[:1]),
+    "flat": (np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1.5, 0]], float),
+        np.array([[0, 1, 2], [1, 3, 2]])),
+}  # fmt: skip
+OUTLIERS = "compute_selection_of_visible_convex_hull_per_vertex"
+CURVATURE = "compute_curvature_principal_directions_per_vertex"
+
+
+@pytest.mark.parametrize(
+    ("shape", "name", "values", "words"),
+    [
+        ("nothing", "generate_sampling_montecarlo", {}, "has no extent"),
+        ("nothing", "generate_convex_hull", {}, "has no extent"),
+        ("stray", "apply_texcoord_merge_per_wedge", {}, "has vertices without faces"),
+        ("fan", "meshing_refine_by_function", {}, "edges with more than two faces"),
+        ("flat", "meshing_surface_subdivision_doo_sabin", {}, "has a boundary"),
+        ("flat", OUTLIERS, {}, "has a point at 'viewpoint'"),
+        ("flat", OUTLIERS, {"viewpoint": [1, 0, 0]}, "has a point at 'viewpoint'"),
+        ("flat", CURVATURE, {"method": "Scale Dependent Quadric Fitting"}, "is flat"),
+    ],
+)
+def test_shapes_that_crash_or_never_end_are_refused(shape, name, values, words):
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.add_mesh(pymeshlab.Mesh(*SHAPES[shape]), "scan")
+    mesh_set.compute_texcoord_by_function_per_wedge()
+    with pytest.raises(GeometryError, match=f"would end the process: layer 'scan' .*{words}"):
+        apply_native(mesh_set, name, values)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("generate_sampling_montecarlo", {"samplenum": 9}),
+        ("apply_texcoord_merge_per_wedge", {}),
+        ("meshing_refine_by_function", {}),
+        ("meshing_surface_subdivision_doo_sabin", {"iterations": 1}),
+        (OUTLIERS, {}),
+        (CURVATURE, {"method": "Scale Dependent Quadric Fitting"}),
+        ("meshing_tri_to_quad_by_4_8_subdivision", {}),
+    ],
+)
+def test_sound_shapes_are_not_refused(name, values):
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_sphere(subdiv=2)
+    mesh_set.compute_texcoord_parametrization_triangle_trivial_per_wedge(sidedim=0, textdim=256)
+    apply_native(mesh_set, name, values)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_statistics_of_what_is_not_finite_are_refused(points, value):
+    quality = np.linspace(0.0, 1.0, len(points))
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_scalar_array=quality), "sound")
+    apply_native(mesh_set, "get_scalar_statistics_per_vertex", {})
+    quality[4] = value
+    mesh_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_scalar_array=quality), "scan")
+    with pytest.raises(GeometryError, match="layer 'scan' has vertex quality that is NaN"):
+        apply_native(mesh_set, "get_scalar_statistics_per_vertex", {})
+
+
+def test_texture_coordinates_of_vertices_are_refused_where_they_crash():
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_sphere(subdiv=1)
+    mesh_set.compute_texcoord_by_function_per_vertex()
+    with pytest.raises(GeometryError, match="has texture coordinates of vertices"):
+        apply_native(mesh_set, "meshing_tri_to_quad_by_4_8_subdivision", {})
+
+
+def test_the_target_of_a_movement_is_closed_and_that_of_craters_has_faces(cloud_set):
+    cloud_set.create_grid(numvertx=4, numverty=4)
+    movement = "apply_coord_point_cloud_movement_over_mesh"
+    with pytest.raises(GeometryError, match=r"layer 'Grid.*' has a boundary"):
+        apply_native(cloud_set, movement, {"point_cloud": 0, "target_mesh": 1})
+    craters = "apply_coord_craters_from_point_cloud"
+    with pytest.raises(GeometryError, match="layer 'scan' has no faces; name a mesh"):
+        apply_native(cloud_set, craters, {"target_mesh": 0, "samples_mesh": 1})
+    cloud_set.create_sphere(subdiv=2)
+    with pytest.raises(GeometryError, match="points of layer 'scan' are far from layer 'Sphere'"):
+        apply_native(cloud_set, movement, {"point_cloud": 0, "target_mesh": 2})
+    inside = pymeshlab.Mesh(np.random.default_rng(0).uniform(-0.5, 0.5, size=(20, 3)))
+    cloud_set.add_mesh(inside, "near", False)
+    apply_native(cloud_set, movement, {"point_cloud": 3, "target_mesh": 2})
+
+
+@pytest.mark.parametrize("name", ["compute_mls_projection_apss", "compute_mls_projection_rimls"])
+def test_the_control_mesh_must_be_current(name):
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_sphere(subdiv=2)
+    mesh_set.create_sphere(subdiv=2, radius=1.01)
+    with pytest.raises(ParameterError, match="needs the current layer as 'controlmesh'; got 0"):
+        apply_native(mesh_set, name, {"controlmesh": 0, "proxymesh": 1})
+    apply_native(mesh_set, name, {"controlmesh": 1, "proxymesh": 0})
+
+
 CRASH = """
 import pymeshlab, numpy
 mesh_set = pymeshlab.MeshSet(verbose=False)
 mesh_set.add_mesh(pymeshlab.Mesh(vertex_matrix=numpy.random.default_rng(0).normal(size=(40, 3))))
-mesh_set.{}()
+mesh_set.{}
 """
 
 
-@pytest.mark.parametrize("name", ["generate_alpha_wrap", "save_snapshot"])
-def test_pymeshlab_itself_does_end_the_process(name):
+@pytest.mark.parametrize(
+    "call",
+    ["generate_alpha_wrap()", "save_snapshot()", "compute_normal_for_point_clouds(k=0)"],
+)
+def test_pymeshlab_itself_does_end_the_process(call):
     """When this fails, the guard is no longer needed."""
-    ended = subprocess.run([sys.executable, "-c", CRASH.format(name)], capture_output=True)
+    ended = subprocess.run([sys.executable, "-c", CRASH.format(call)], capture_output=True)
     assert ended.returncode < 0

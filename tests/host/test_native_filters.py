@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
+import re
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +13,8 @@ import pymeshlab
 import pytest
 
 from meshlab_symrecon.errors import HostError, ParameterError, UnknownFilterError
+from meshlab_symrecon.host.document_state import FACTS
+from meshlab_symrecon.host.expectations import expectation
 from meshlab_symrecon.host.native_filters import (
     apply_native,
     find_native,
@@ -285,3 +290,57 @@ def test_our_own_errors_pass_the_translation():
     with pytest.raises(ParameterError) as caught, translated("step"):
         raise ours
     assert caught.value is ours
+
+
+def test_every_filter_has_a_behaviour_with_known_facts():
+    """One filter talks to a server, and was never tried."""
+    table = json.loads(files("meshlab_symrecon.host").joinpath("native_filters.json").read_bytes())
+    facts = {*FACTS, "layer", "raster", "selection"}
+    untried = []
+    for name, entry in table.items():
+        seen = entry["behaviour"]
+        if seen is None:
+            untried.append(name)
+            continue
+        assert set(seen) == {"needs", "layers", "kept", "others", "made"}, name
+        assert {need["fact"] for need in seen["needs"]} <= facts, name
+        for fates in (seen["kept"], seen["others"], seen["made"]):
+            assert set(fates or {}) <= set(FACTS), name
+            assert all(re.fullmatch("[yn?]{2}", fate) for fate in (fates or {}).values()), name
+    assert untried == ["export_mesh_to_sketchfab"]
+
+
+def test_every_expectation_names_parameters_and_values_that_there_are():
+    for item in native_filters().values():
+        expected = expectation(item)
+        given = [need.when for need in expected.needs]
+        given += [values for need in expected.needs for values in need.unless]
+        given += [values for values, _ in expected.exceptions]
+        for values in given:
+            for name, value in values.items():
+                parameter = item.find(name)
+                assert value in parameter.words if parameter.words else value in (False, True)
+        assert expected.way.removed in ("none", "current", "all", "")
+        assert expected.way.most is None or expected.way.most >= expected.way.added
+
+
+def test_what_meshlab_itself_asks_for_is_in_the_table():
+    """The needs of a few filters whose documentation says so."""
+    needs = {item.python_name: expectation(item).needs for item in native_filters().values()}
+    for name, fact in (
+        ("meshing_close_holes", "faces"),
+        ("apply_color_inverse_per_vertex", "vertex_colour"),
+        ("compute_texcoord_transfer_wedge_to_vertex", "wedge_texture"),
+        ("apply_scalar_clamping_per_vertex", "quality"),
+        ("set_raster_name", "raster"),
+    ):
+        assert fact in [need.fact for need in needs[name] if need.applies({})], name
+    assert sum("faces" in [need.fact for need in known] for known in needs.values()) > 60
+
+
+def test_two_exceptions_at_once_were_never_tried():
+    cut = expectation(find_native("generate_polyline_from_planar_section"))
+    assert cut.way_with({}).added == 1
+    assert cut.way_with({"createsectionsurface": True}).added == 2
+    both = {"createsectionsurface": True, "splitsurfacewithsection": True}
+    assert cut.way_with(both).most is None

@@ -1,0 +1,106 @@
+"""``symrecon check``: everything that is wrong with a script, before anything runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from meshlab_symrecon.cli.border import DONE, FAILED
+
+if TYPE_CHECKING:
+    from meshlab_symrecon.host.document_state import DocumentState
+    from meshlab_symrecon.host.findings import Finding
+
+__all__ = ["check"]
+
+PASSED_OVER = {"skip": "skipped", "ignore": "ignored"}  # what a lenient run does about an error
+
+
+@click.command()
+@click.argument("script", type=click.Path(path_type=Path), metavar="SCRIPT.mlx")
+@click.argument("inputs", nargs=-1, type=click.Path(path_type=Path), metavar="[IN]...")
+@click.option("--strict", is_flag=True, help="What would be mapped or ignored counts as an error.")
+@click.option("--lenient", is_flag=True, help="Errors that a lenient run passes over do not count.")
+@click.option(
+    "--json", "report", type=click.Path(path_type=Path), metavar="R.json",
+    help="Also save what was found.",
+)  # fmt: skip
+def check(
+    script: Path, inputs: tuple[Path, ...], strict: bool, lenient: bool, report: Path | None
+) -> int:
+    """Say all that is wrong with a MeshLab filter script, one finding a line; run nothing.
+
+    With the files IN... that it is meant for, each step is also checked against what the layers
+    will be then: layers that will not exist, clouds that a step would empty, missing faces, colours
+    or textures. Exits with 0 when the script can run, else with 1.
+    """
+    from meshlab_symrecon.cli.reports import write_json
+    from meshlab_symrecon.host.checking import check_script
+    from meshlab_symrecon.host.files import check_output
+    from meshlab_symrecon.host.mlx import read_script
+
+    if strict and lenient:
+        raise click.UsageError("--strict and --lenient contradict each other; give one")
+    if report is not None:
+        check_output(report, [script, *inputs], ())
+    written = read_script(script)
+    findings = check_script(written, _state(inputs))
+    shown = [(finding, _verdict(finding, strict, lenient)) for finding in findings]
+    failed = any(verdict == "error" for _, verdict in shown)
+    if report is not None:
+        facts = {"script": str(script), "inputs": [str(path) for path in inputs]}
+        listed = [_facts(finding, verdict) for finding, verdict in shown]
+        write_json(report, facts | {"runs": not failed, "findings": listed})
+    for finding, verdict in shown:
+        click.echo(f"{finding.file}:{finding.line}: {verdict}: {finding.message}")
+    click.echo(_summary(len(written.steps), [verdict for _, verdict in shown]))
+    return FAILED if failed else DONE
+
+
+def _state(inputs: tuple[Path, ...]) -> DocumentState:
+    """Return what is known of the document that a script will work on."""
+    from meshlab_symrecon.host.document_state import DocumentState
+    from meshlab_symrecon.host.files import load, new_document
+
+    if not inputs:
+        return DocumentState.unknown()
+    mesh_set = new_document()
+    for path in inputs:
+        load(path, mesh_set)
+    return DocumentState.of(mesh_set)
+
+
+def _verdict(finding: Finding, strict: bool, lenient: bool) -> str:
+    if finding.severity == "note":
+        return "error" if strict else "note"
+    return PASSED_OVER.get(finding.remedy, "error") if lenient else "error"
+
+
+def _facts(finding: Finding, verdict: str) -> dict[str, object]:
+    return {
+        "file": finding.file,
+        "line": finding.line,
+        "step": finding.step,
+        "verdict": verdict,
+        "severity": finding.severity,
+        "remedy": finding.remedy,
+        "message": finding.message,
+    }
+
+
+def _summary(steps: int, verdicts: list[str]) -> str:
+    """Return a line such as ``3 steps, 1 error, 2 notes: it cannot run``."""
+    kinds = [(verdicts.count(kind), kind) for kind in ("error", "skipped", "ignored", "note")]
+    counts = [_counted(steps, "step")]
+    counts += [
+        _counted(count, kind) if kind in ("error", "note") else f"{count} {kind}"
+        for count, kind in kinds
+        if count
+    ]
+    return f"{', '.join(counts)}: it {'cannot' if kinds[0][0] else 'can'} run"
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"
