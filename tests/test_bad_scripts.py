@@ -388,6 +388,24 @@ def test_a_bad_script_is_refused_with_file_line_and_reason(desk, limited, conten
     check_refused(run_in_process, content, line, words)
 
 
+@pytest.mark.parametrize(
+    ("content", "line", "words"), [bad[1:] for bad in BAD], ids=[bad[0][:60] for bad in BAD]
+)
+def test_a_check_finds_the_same_and_writes_nothing(desk, limited, content, line, words):
+    path = filled(content)
+    before = contents(Path())
+    result = CliRunner().invoke(main, ["check", str(path), "scan.ply"])
+    assert result.exit_code == 1
+    assert result.exception is None or isinstance(result.exception, SystemExit)
+    told = result.stdout.splitlines() + result.stderr.removeprefix("error: ").splitlines()
+    found = [sentence for sentence in told if words in sentence]
+    assert found, told
+    for sentence in found:
+        assert sentence.startswith(f"{path}:")
+        assert line is None or sentence.split(":")[1] == str(line)
+    assert contents(Path()) == before
+
+
 IN_SHELL = (
     "a billion laughs", "one long entity, often", "an entity from the web", "a NUL", "zeros",
     "ten million random bytes", "a hundred thousand steps in each other", "a crash",

@@ -14,8 +14,11 @@ from scripts_by_hand import BY_HAND, SAME_SHAPE, WITH_PLUGINS, same_shape
 
 from meshlab_symrecon import load_plugins, unload_plugins
 from meshlab_symrecon.errors import ScriptError, SymReconWarning
-from meshlab_symrecon.host.mlx import read_script
-from meshlab_symrecon.host.script import run_script
+from meshlab_symrecon.host.document_state import DocumentState
+from meshlab_symrecon.host.mlx import Script, read_script
+from meshlab_symrecon.host.prediction import after
+from meshlab_symrecon.host.resolution import matched
+from meshlab_symrecon.host.script import run_script, run_steps
 
 
 @pytest.fixture(autouse=True)
@@ -147,6 +150,26 @@ def test_a_mixed_script_does_what_the_same_methods_do(name):
     finally:
         unload_plugins()
     assert_same_documents(snapshot(by_script), snapshot(by_hand))
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_what_is_foreseen_of_each_step_comes_true(name):
+    mesh_set = DOCUMENTS[RUNS[name].document]()
+    script = read_script(FOLDER / f"{name}.mlx")
+    for step, resolved in zip(script.steps, matched(script).steps, strict=True):
+        foreseen = after(DocumentState.of(mesh_set), resolved)
+        with quietly():
+            run_steps(mesh_set, Script(script.path, (step,)))
+        check_foreseen(foreseen, DocumentState.of(mesh_set), step)
+
+
+def check_foreseen(foreseen, came, step):
+    assert foreseen.most is None or len(came.layers) <= foreseen.most, step
+    assert foreseen.current in (None, came.current), step
+    for one, other in zip(foreseen.layers, came.layers, strict=False):
+        known = {fact: held for fact, held in one.facts.items() if other.has(fact) is not None}
+        assert known == {fact: other.has(fact) for fact in known}, step
+        assert one.vertices in (None, other.vertices), step
 
 
 def test_enough_scripts_are_compared_with_calls_by_hand():

@@ -14,7 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.errors import GeometryError, ParameterError, ScriptError, SymReconError
-from meshlab_symrecon.host.findings import ERROR, Finding, check_findings, place
+from meshlab_symrecon.host.checking import check_document
+from meshlab_symrecon.host.document_state import DocumentState
+from meshlab_symrecon.host.findings import ERROR, SKIP, Finding, check_findings, place
 from meshlab_symrecon.host.guards import reason_to_skip
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.mlx import Script, Step, read_script
@@ -129,8 +131,11 @@ def run_steps(
     report = progress or silent
     started = time.perf_counter()
     matching = matched(script)
-    check_findings(matching.findings, strict=strict, lenient=lenient)
-    runner = _Runner(mesh_set, script, matching.findings, lenient)
+    foreseen = check_document(matching.steps, DocumentState.of(mesh_set), script.path)
+    mistakes = (finding for finding in foreseen if finding.severity == ERROR)
+    findings = sorted((*matching.findings, *mistakes), key=_where)
+    check_findings(findings, strict=strict, lenient=lenient)
+    runner = _Runner(mesh_set, script, findings, lenient)
     reports = []
     pairs = zip(script.steps, matching.steps, strict=True)
     for number, (step, resolved) in enumerate(pairs):
@@ -140,6 +145,10 @@ def run_steps(
         reports.append(runner.run(number, resolved, share))
     report(1.0, "done")
     return ScriptReport(str(script.path), tuple(reports), time.perf_counter() - started)
+
+
+def _where(finding: Finding) -> tuple[int, int]:
+    return finding.step, finding.line
 
 
 def _share(progress: Progress, number: int, count: int, name: str) -> Progress:
@@ -183,7 +192,11 @@ class _Runner:
         self, number: int, resolved: ResolvedStep | None, notes: list[str], progress: Progress
     ) -> tuple[str, Mapping[str, Any]]:
         """Run a step; return what became of it, and what it measured."""
-        if resolved is None:
+        passed_over = any(
+            finding.step == number and finding.severity == ERROR and finding.remedy == SKIP
+            for finding in self.findings
+        )
+        if resolved is None or passed_over:
             return SKIPPED, {}
         try:
             measures = _applied(self.mesh_set, resolved, progress)
