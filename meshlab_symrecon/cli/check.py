@@ -73,8 +73,8 @@ def _state(inputs: tuple[Path, ...]) -> DocumentState:
 
 
 def _verdict(finding: Finding, strict: bool, lenient: bool) -> str:
-    if finding.severity == "note":
-        return "error" if strict else "note"
+    if finding.severity != "error":
+        return "error" if strict and finding.severity == "note" else "note"
     return PASSED_OVER.get(finding.remedy, "error") if lenient else "error"
 
 

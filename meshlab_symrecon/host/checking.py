@@ -13,7 +13,7 @@ from pathlib import Path
 from meshlab_symrecon.errors import SymReconError
 from meshlab_symrecon.host.document_state import DocumentState, LayerState
 from meshlab_symrecon.host.expectations import OF_NAMED_LAYERS, Need, expectation
-from meshlab_symrecon.host.findings import ERROR, NOTE, SKIP, Finding
+from meshlab_symrecon.host.findings import ERROR, REMARK, SKIP, Finding
 from meshlab_symrecon.host.guards import (
     EMPTY_CLOUDS_TOO,
     NEED_TWO_LAYERS,
@@ -110,7 +110,7 @@ def check_document(
             if problem:
                 findings.append(Finding(str(path), line, problem, ERROR, SKIP, number))
             if note:
-                findings.append(Finding(str(path), line, note, NOTE, "", number))
+                findings.append(Finding(str(path), line, note, REMARK, "", number))
         later = _survived(after(state, resolved), resolved)
         if problem is None:
             state = later

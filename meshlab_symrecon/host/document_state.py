@@ -47,11 +47,14 @@ class LayerState:
         Empty when it is unknown.
     vertices : int or None
         Their number, None when it is unknown.
+    had_faces : bool
+        Whether it had faces at a step before, or may have had: then it is no cloud without them.
     """
 
     facts: Mapping[str, bool] = field(default_factory=dict)
     label: str = ""
     vertices: int | None = None
+    had_faces: bool = False
 
     def has(self, fact: str) -> bool | None:
         """Say whether the fact holds; None when that is unknown."""
@@ -59,8 +62,8 @@ class LayerState:
 
     @property
     def is_cloud(self) -> bool:
-        """Whether it certainly has points and certainly has no faces."""
-        return self.has("points") is True and self.has("faces") is False
+        """Whether it certainly has points, and certainly has and had no faces."""
+        return self.has("points") is True and self.has("faces") is False and not self.had_faces
 
     def joined(self, other: LayerState) -> LayerState:
         """Return what is known when it is this layer or the other."""
@@ -69,6 +72,7 @@ class LayerState:
             same,
             self.label if self.label == other.label else "",
             self.vertices if self.vertices == other.vertices else None,
+            self.had_faces or other.had_faces,
         )
 
     @classmethod

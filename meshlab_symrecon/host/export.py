@@ -11,7 +11,7 @@ import numpy as np
 from meshlab_symrecon.errors import FileError, HostError
 from meshlab_symrecon.host.atomic import replacing
 from meshlab_symrecon.host.files import READABLE, new_document, write_layer
-from meshlab_symrecon.host.formats import FACES_ONLY, POINTS_ONLY, WRITABLE
+from meshlab_symrecon.host.formats import FACES_ONLY, POINTS_ONLY, WRITABLE, check_points
 from meshlab_symrecon.host.image_names import rename_images
 from meshlab_symrecon.host.mask import TEXT, held_flags, save_options
 from meshlab_symrecon.host.meshset import current_identifier
@@ -24,7 +24,6 @@ __all__ = ["export_layer", "write_all", "write_staged"]
 
 UNREPORTED = ("xyz", "3mf", "dae", "e57", "wrl", "x3d")  # writers that hide a full disk
 # Writers that refuse a layer without points, hide that they do, or end the process on it.
-NEEDS_POINTS = ("obj", "x3d", "3ds", "ctm", "xyz", "e57", "nxs", "nxz")
 TEXTURED = ("save_wedge_texcoord", "save_vertex_coord")
 
 
@@ -123,9 +122,7 @@ def write_all(mesh_set: Any, identifier: int, path: Path, staged: Path, text: bo
 
 def _check_losses(mesh: Any, path: Path, extension: str) -> None:
     points, faces = mesh.vertex_number(), mesh.face_number()
-    if points == 0 and extension in NEEDS_POINTS:
-        message = f"{path}: layer '{mesh.label()}' has no points, which .{extension} cannot hold"
-        raise FileError(f"{message}; look at what the steps before it deleted")
+    check_points(mesh, path, extension)
     if extension in POINTS_ONLY and faces:
         words = f"{path}: .{extension} holds points only, so {faces} faces were left out"
         warn_user(f"{words}; write .ply to keep them")

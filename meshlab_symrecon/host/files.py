@@ -20,6 +20,7 @@ from meshlab_symrecon.host.formats import (
     POINTS_ONLY,
     WRITABLE,
     Contents,
+    check_points,
     contents_of,
     lost_in,
 )
@@ -234,6 +235,7 @@ def write_layer(
     """
     extension = path.suffix.removeprefix(".").lower()
     mesh = mesh_set.mesh(identifier)
+    check_points(mesh, path, extension)
     source, number = mesh_set, identifier
     in_place = np.array_equal(mesh.transform_matrix(), np.eye(4)) or not world
     try:

@@ -9,9 +9,19 @@ from pathlib import Path
 
 from meshlab_symrecon.errors import ScriptError, SymReconError
 
-__all__ = ["ERROR", "IGNORE", "NOTE", "SKIP", "Finding", "Findings", "check_findings", "place"]
+__all__ = [
+    "ERROR",
+    "IGNORE",
+    "NOTE",
+    "REMARK",
+    "SKIP",
+    "Finding",
+    "Findings",
+    "check_findings",
+    "place",
+]
 
-ERROR, NOTE = "error", "note"
+ERROR, NOTE, REMARK = "error", "note", "remark"
 SKIP, IGNORE = "skip", "ignore"
 LONGEST = 600  # letters of a message; the longest that quotes nothing has about 400
 
@@ -27,7 +37,8 @@ class Finding:
     message : str
         One sentence, without the place.
     severity : str
-        ``ERROR``, or ``NOTE`` for something that was mapped or ignored.
+        ``ERROR``; ``NOTE`` for something that was mapped or ignored; ``REMARK`` for something else
+        that is worth knowing.
     remedy : str
         What a lenient run does about an error: ``SKIP`` the step, ``IGNORE`` the parameter, or
         nothing, when empty.

@@ -4,26 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from meshlab_symrecon.arrays import Floats
+from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.attributes import Attribute, attributes_of
 from meshlab_symrecon.host.polygons import Polygons, polygons_of
 from meshlab_symrecon.host.sources import source_of
 
 __all__ = [
     "FACES_ONLY",
+    "NEEDS_POINTS",
     "POINTS_ONLY",
     "TEXTURED",
     "WRITABLE",
     "Contents",
+    "check_points",
     "contents_of",
     "lost_in",
     "options_for",
 ]
 
+NEEDS_POINTS = ("obj", "x3d", "3ds", "ctm", "xyz", "e57")  # no file without any
 NORMALS = "vertex normals"
 COLOURS = "vertex colours"
 QUALITY = "vertex quality"
@@ -106,6 +111,18 @@ class Contents:
     around_zero: bool
 
 
+def check_points(mesh: Any, path: Path, extension: str) -> None:
+    """Refuse a layer without points where the format cannot hold that.
+
+    Raises
+    ------
+    FileError
+    """
+    if mesh.vertex_number() == 0 and extension in NEEDS_POINTS:
+        message = f"{path}: layer '{mesh.label()}' has no points, which .{extension} cannot hold"
+        raise FileError(f"{message}; look at what the steps before it deleted")
+
+
 def contents_of(mesh_set: Any, identifier: int) -> Contents:
     """Return what a layer has; what MeshLab gives to every layer counts while it holds something.
 
@@ -146,7 +163,7 @@ def contents_of(mesh_set: Any, identifier: int) -> Contents:
 
 
 def _around_zero(values: Floats) -> bool:
-    return bool(values.min() <= 0.0 <= values.max())
+    return values.size > 0 and bool(values.min() <= 0.0 <= values.max())
 
 
 def _as_polygons(contents: Contents, extension: str) -> bool:

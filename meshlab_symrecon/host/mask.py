@@ -38,7 +38,8 @@ QUESTIONS = {
 TEXT = "sa"  # the one flag that is no attribute
 TEXT_FORMATS = ("ply", "stl")  # which have two forms, and the option "binary"
 # Extension: what MeshLab's writer is able to take. That is asked of it; whether it then writes
-# anything depends on the layer. Wedge colours and normals are in no layer of pymeshlab.
+# anything depends on the layer. NXS and NXZ are left out: their writers read freed memory, and end
+# the process sooner or later. Wedge colours and normals are in no layer of pymeshlab.
 SAVED: dict[str, tuple[str, ...]] = {
     "ply": ("vc", "vf", "vq", "vn", "vt", "vr", "fc", "ff", "fq", "wc", "wn", "wt"),
     "obj": ("vc", "vn", "vt", "fc", "wn", "wt", "mp"),
@@ -53,8 +54,6 @@ SAVED: dict[str, tuple[str, ...]] = {
     "e57": ("vc", "vq", "vn"),
     "idtf": ("vc", "vn", "fc", "wn", "wt"),
     "json": ("vc", "vn", "vt"),
-    "nxs": ("vc", "vn", "vt", "wt"),
-    "nxz": ("vc", "vn", "vt", "wt"),
     "wrl": ("vc", "wc", "wt"),
     "x3d": ("vc", "vn", "vt", "fc", "fn", "wc", "wn", "wt"),
 }

@@ -128,13 +128,25 @@ def _names(item: NativeFilter) -> tuple[str, str]:
     return item.python_name, item.menu_name
 
 
-def apply_native(mesh_set: Any, name: str, values: Mapping[str, object]) -> dict[str, Any]:
+def apply_native(
+    mesh_set: Any, name: str, values: Mapping[str, object], *, may_empty: bool = False
+) -> dict[str, Any]:
     """Run one of MeshLab's filters; return what it measured.
 
     Checks first what would end the process or do silent damage. A percentage given as a plain
     number is an absolute length. A filter with a parameter ``threads`` (Screened Poisson) runs in
     one thread unless told otherwise: with more, its result differs in the last bits from run to
     run, and on a busy machine it takes longer.
+
+    Parameters
+    ----------
+    mesh_set : pymeshlab.MeshSet
+    name : str
+        Python or menu name.
+    values : mapping
+        By the names of parameters.
+    may_empty : bool
+        Let a cleaning filter delete every point of a layer without faces, as it does for MeshLab.
 
     Raises
     ------
@@ -155,7 +167,7 @@ def apply_native(mesh_set: Any, name: str, values: Mapping[str, object]) -> dict
     if any(parameter.name == THREADS for parameter in item.parameters):
         arguments.setdefault(THREADS, 1)
     check_step(mesh_set, item, arguments)
-    skipped = reason_to_skip(mesh_set, item, arguments)
+    skipped = "" if may_empty else reason_to_skip(mesh_set, item, arguments)
     if skipped:
         warn_user(f"'{item.menu_name}' was skipped: {skipped}")
         return {}

@@ -61,7 +61,7 @@ def _with_layers(
     state: DocumentState, expected: Expectation, way: Way, resolved: ResolvedStep
 ) -> DocumentState:
     """Return the state with layers removed, changed and added."""
-    made = replace(_fated(_source(state, resolved), expected.made), label="")
+    made = replace(_fated(_source(state, resolved), expected.made), label="", had_faces=False)
     counts_stay = resolved.python_name.startswith(KEEP_COUNT)
     changed = _changed(state, expected, counts_stay)
     left = _without_removed(changed, way)
@@ -137,4 +137,5 @@ def _fated(layer: LayerState, fates: Fates | None) -> LayerState:
             facts[fact] = LETTERS[letter]
     if facts.get("normals") is False and facts.get("faces") is not False:
         del facts["normals"]  # MeshLab computes those of faces whenever it likes
-    return LayerState(facts, layer.label)
+    had_faces = layer.had_faces or layer.has("faces") is not False
+    return LayerState(facts, layer.label, had_faces=had_faces)

@@ -16,7 +16,7 @@ from meshlab_symrecon.host.native_filters import NativeFilter, find_native
 from meshlab_symrecon.host.native_values import NativeParameter, parse_native
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING, OldName, find_old_name
 from meshlab_symrecon.host.translation import script_name_in_python
-from meshlab_symrecon.host.written_parameters import filter_after, values_of
+from meshlab_symrecon.host.written_parameters import filter_after, is_idle, values_of
 from meshlab_symrecon.host.written_values import LAYER, value_of
 from meshlab_symrecon.plugin import Filter
 from meshlab_symrecon.plugin.parameters import Kind
@@ -191,7 +191,8 @@ def _resolved_native(
         findings.note(step.line, meaning)
     for written in step.parameters:
         with findings.at(written.line, IGNORE):
-            values |= values_of(item, step, written, findings)
+            if not is_idle(item, step, written):
+                values |= values_of(item, step, written, findings)
     then = None
     with findings.at(step.line, IGNORE):
         then = filter_after(item, step)

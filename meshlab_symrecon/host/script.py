@@ -16,11 +16,12 @@ from typing import Any
 from meshlab_symrecon.errors import GeometryError, ParameterError, ScriptError, SymReconError
 from meshlab_symrecon.host.checking import check_document
 from meshlab_symrecon.host.document_state import DocumentState
-from meshlab_symrecon.host.findings import ERROR, SKIP, Finding, check_findings, place
+from meshlab_symrecon.host.findings import ERROR, REMARK, SKIP, Finding, check_findings, place
 from meshlab_symrecon.host.guards import reason_to_skip
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.mlx import Script, Step, read_script
 from meshlab_symrecon.host.native_filters import apply_native
+from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.old_names import CHANGE_LAYER
 from meshlab_symrecon.host.resolution import ResolvedStep, matched
 from meshlab_symrecon.host.steps import run_filter
@@ -131,11 +132,10 @@ def run_steps(
     report = progress or silent
     started = time.perf_counter()
     matching = matched(script)
-    foreseen = check_document(matching.steps, DocumentState.of(mesh_set), script.path)
-    mistakes = (finding for finding in foreseen if finding.severity == ERROR)
-    findings = sorted((*matching.findings, *mistakes), key=_where)
-    check_findings(findings, strict=strict, lenient=lenient)
-    runner = _Runner(mesh_set, script, findings, lenient)
+    check_findings(matching.findings, strict=strict, lenient=lenient)
+    expected = check_document(matching.steps, DocumentState.of(mesh_set), script.path)
+    check_findings(expected, lenient=lenient)
+    runner = _Runner(mesh_set, script, (*matching.findings, *expected), lenient)
     reports = []
     pairs = zip(script.steps, matching.steps, strict=True)
     for number, (step, resolved) in enumerate(pairs):
@@ -145,10 +145,6 @@ def run_steps(
         reports.append(runner.run(number, resolved, share))
     report(1.0, "done")
     return ScriptReport(str(script.path), tuple(reports), time.perf_counter() - started)
-
-
-def _where(finding: Finding) -> tuple[int, int]:
-    return finding.step, finding.line
 
 
 def _share(progress: Progress, number: int, count: int, name: str) -> Progress:
@@ -168,53 +164,82 @@ class _Runner:
     script: Script
     findings: Sequence[Finding]
     lenient: bool
+    meshes: set[int] = field(default_factory=set)  # layers that have, or had, faces
 
     def run(self, number: int, resolved: ResolvedStep | None, progress: Progress) -> StepReport:
         step = self.script.steps[number]
-        notes = [_in_words(finding, step) for finding in self.findings if finding.step == number]
+        found = [finding for finding in self.findings if finding.step == number]
+        self.meshes.update(int(mesh.id()) for mesh in self.mesh_set if mesh.face_number())
         started = time.perf_counter()
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            status, measures = self._attempted(number, resolved, notes, progress)
+            status, measures, failure = self._attempted(number, resolved, found, progress)
         for warning in caught:
-            notes.append(str(warning.message))
             warnings.warn_explicit(
                 warning.message, warning.category, warning.filename, warning.lineno
             )
-        name = "" if resolved is None else resolved.python_name
-        seconds = time.perf_counter() - started
+        notes = [_in_words(finding, step) for finding in found]
+        notes += [*failure, *(str(warning.message) for warning in caught)]
         return StepReport(
-            str(self.script.path), step.line, step.name, name, status, tuple(notes), seconds,
-            measures,
+            str(self.script.path), step.line, step.name,
+            "" if resolved is None else resolved.python_name, status, tuple(notes),
+            time.perf_counter() - started, measures,
         )  # fmt: skip
 
     def _attempted(
-        self, number: int, resolved: ResolvedStep | None, notes: list[str], progress: Progress
-    ) -> tuple[str, Mapping[str, Any]]:
-        """Run a step; return what became of it, and what it measured."""
-        passed_over = any(
-            finding.step == number and finding.severity == ERROR and finding.remedy == SKIP
-            for finding in self.findings
-        )
-        if resolved is None or passed_over:
-            return SKIPPED, {}
+        self,
+        number: int,
+        resolved: ResolvedStep | None,
+        found: Sequence[Finding],
+        progress: Progress,
+    ) -> tuple[str, Mapping[str, Any], list[str]]:
+        """Run a step; return what became of it, what it measured, and why it failed."""
+        if resolved is None or any(finding.remedy == SKIP for finding in found):
+            return SKIPPED, {}, []
         try:
-            measures = _applied(self.mesh_set, resolved, progress)
+            measures = self._applied(resolved, progress)
         except SymReconError as error:
             words = _named(resolved.step, error)
             if not self.lenient:
                 where = place(str(self.script.path), resolved.step.line, number)
                 raise ScriptError(f"{where}: {words}") from error
-            notes.append(words)
-            return SKIPPED, {}
-        return MAPPED if notes else RAN, measures
+            return SKIPPED, {}, [words]
+        mapped = any(finding.severity != REMARK for finding in found)
+        return MAPPED if mapped else RAN, measures, []
+
+    def _applied(self, resolved: ResolvedStep, progress: Progress) -> Mapping[str, Any]:
+        values = dict(resolved.values)
+        for name in resolved.layers:
+            values[name] = _identifier_at(self.mesh_set, name, values[name])
+        if isinstance(resolved.filter, Filter):
+            return run_filter(self.mesh_set, resolved.filter, values, progress)
+        if isinstance(resolved.filter, str):
+            if resolved.filter == CHANGE_LAYER:
+                self.mesh_set.set_current_mesh(values["mesh"])
+            return {}
+        before = current_identifier(self.mesh_set)
+        was_mesh = before in self.meshes
+        reason = reason_to_skip(self.mesh_set, resolved.filter, values)
+        if reason and not was_mesh:
+            message = f"{reason}; reconstruct a surface first, or run leniently to pass over it"
+            raise GeometryError(message)
+        measures = apply_native(
+            self.mesh_set, resolved.filter.python_name, values, may_empty=was_mesh
+        )
+        if reason:
+            warn_user(f"'{resolved.filter.menu_name}' deleted every point: no face was left")
+        if resolved.then is not None:
+            measures |= apply_native(self.mesh_set, *resolved.then)
+        if resolved.keeps_current and self.mesh_set.mesh_id_exists(before):
+            self.mesh_set.set_current_mesh(before)
+        return measures
 
 
 def _in_words(finding: Finding, step: Step) -> str:
     """Return a finding as a note of its step, with the line when it is not the step's own."""
     words = finding.message
     if finding.severity == ERROR:
-        words = f"{words}; {'skipped' if finding.remedy == 'skip' else 'ignored'}"
+        words = f"{words}; {'skipped' if finding.remedy == SKIP else 'ignored'}"
     return words if finding.line == step.line else f"line {finding.line}: {words}"
 
 
@@ -222,30 +247,6 @@ def _named(step: Step, error: SymReconError) -> str:
     """Return the error's words, with the name of the step unless they have it."""
     words = str(error)
     return words if step.name.strip() in words else f"'{step.name.strip()}': {words}"
-
-
-def _applied(mesh_set: Any, resolved: ResolvedStep, progress: Progress) -> Mapping[str, Any]:
-    values = dict(resolved.values)
-    for name in resolved.layers:
-        values[name] = _identifier_at(mesh_set, name, values[name])
-    if isinstance(resolved.filter, Filter):
-        return run_filter(mesh_set, resolved.filter, values, progress)
-    if isinstance(resolved.filter, str):
-        if resolved.filter == CHANGE_LAYER:
-            mesh_set.set_current_mesh(values["mesh"])
-        return {}
-    name = resolved.filter.python_name
-    reason = reason_to_skip(mesh_set, resolved.filter)
-    if reason:
-        message = f"{reason}; reconstruct a surface first, or run leniently to pass over the step"
-        raise GeometryError(message)
-    before = current_identifier(mesh_set)
-    measures = apply_native(mesh_set, name, values)
-    if resolved.then is not None:
-        measures |= apply_native(mesh_set, *resolved.then)
-    if resolved.keeps_current and mesh_set.mesh_id_exists(before):
-        mesh_set.set_current_mesh(before)
-    return measures
 
 
 def _identifier_at(mesh_set: Any, parameter: str, position: int) -> int:

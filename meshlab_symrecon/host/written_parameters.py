@@ -17,8 +17,10 @@ from meshlab_symrecon.host.old_names import Change, change_of_parameter
 from meshlab_symrecon.host.translation import script_name_in_python
 from meshlab_symrecon.host.written_values import value_of
 
-__all__ = ["filter_after", "values_of"]
+__all__ = ["filter_after", "is_idle", "values_of"]
 
+# Parameters that name a layer, and the switch without which that layer is not looked at.
+SWITCHED = {"generate_sampling_poisson_disk": {"refinemesh": "refineflag"}}
 CAMERA = "RichShotf"
 TEXTURE = "textname"
 MAKE_TEXTURES = ("compute_texmap_from_color", "transfer_attributes_to_texture_per_vertex")
@@ -58,6 +60,14 @@ def _implied(
         meaning = f"'{name}' set to {value!r}, which parameter '{written.name}' stood for"
         findings.note(written.line, meaning)
     return values
+
+
+def is_idle(item: NativeFilter, step: Step, written: Param) -> bool:
+    """Say whether a parameter has no effect: what it names need not be there."""
+    switch = SWITCHED.get(item.python_name, {}).get(script_name_in_python(written.name.strip()))
+    on = (known.text or "" for known in step.parameters
+          if script_name_in_python(known.name.strip()) == switch)  # fmt: skip
+    return switch is not None and next(on, "false").strip().lower() in ("false", "0")
 
 
 def filter_after(item: NativeFilter, step: Step) -> tuple[str, Mapping[str, Any]] | None:

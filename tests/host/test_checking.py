@@ -11,7 +11,7 @@ import pytest
 
 from meshlab_symrecon.host.checking import check_document, check_script
 from meshlab_symrecon.host.document_state import UNKNOWN_LAYER, DocumentState, LayerState
-from meshlab_symrecon.host.findings import ERROR, NOTE, SKIP
+from meshlab_symrecon.host.findings import ERROR, NOTE, REMARK, SKIP
 from meshlab_symrecon.host.mlx import read_script
 from meshlab_symrecon.host.native_filters import native_filters
 
@@ -247,7 +247,7 @@ def test_nothing_is_certain_behind_an_unknown_filter(check):
 def test_a_step_that_does_nothing_is_noted(check):
     bare = replace(MESH, facts={**MESH.facts, "face_selection": False})
     (found,) = check(on(bare), "Delete Selected Faces")
-    assert (found.severity, found.remedy) == (NOTE, "")
+    assert (found.severity, found.remedy) == (REMARK, "")
     assert "selected faces, of which there are none" in found.message
     assert check(on(MESH), "Delete Selected Faces") == ()
     assert check(on(bare), "Select All", "Delete Selected Faces") == ()

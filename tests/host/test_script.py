@@ -380,7 +380,9 @@ def test_expressions_of_old_scripts_select_the_same(tmp_path, sphere):
 
 def test_a_cloud_is_not_deleted_by_cleaning(tmp_path, cloud_set):
     path = written(tmp_path, step("Remove Unreferenced Vertices"), step("Laplacian Smooth"))
-    with pytest.raises(ScriptError, match=r"scan.mlx:2: .*would delete all the 40 points"):
+    with pytest.raises(
+        ScriptError, match=r"scan.mlx:2: .*delete all the 40 points of layer 'scan'"
+    ):
         run_script(cloud_set, path)
     assert cloud_set.current_mesh().vertex_number() == 40
 
@@ -493,12 +495,11 @@ def test_any_filter_is_found_by_any_name(installed):
 
 
 def test_what_meshlab_says_is_said_once(tmp_path, sphere):
-    # Whether a border is there to be selected, only the run tells.
-    path = written(tmp_path, step("Select Border"), step("Compute Area/Perimeter of selection"))
+    path = written(tmp_path, step("Vertex Quality from Camera"))
     with pytest.raises(ScriptError) as caught:
         run_script(sphere, path)
     assert str(caught.value) == (
-        f"{path}:3: 'Compute Area/Perimeter of selection': Cannot apply: there is no face selection"
+        f"{path}:2: 'Vertex Quality from Camera': Mesh has not a valid camera"
     )
 
 
@@ -524,3 +525,34 @@ def test_a_selection_of_vertices_selected_faces_too_in_old_scripts(
     )
     with pytest.raises(ScriptError, match=r"'strictSelect'|'inclusive' must be true or false"):
         run_script(sphere, broken)
+
+
+def test_a_mesh_that_lost_its_faces_is_cleaned_as_meshlab_does(tmp_path, sphere):
+    path = written(
+        tmp_path,
+        step("Select All"), step("Delete Selected Faces"), step("Remove Unreferenced Vertices"),
+    )  # fmt: skip
+    with pytest.warns(SymReconWarning, match="deleted every point: no face was left"):
+        report = run_script(sphere, path)
+    assert [done.status for done in report.steps] == ["ran"] * 3
+    assert sphere.current_mesh().vertex_number() == 0
+    assert "no face was left" in report.steps[2].notes[0]
+
+
+def test_samples_of_a_mesh_are_a_cloud_that_is_not_deleted(tmp_path, sphere):
+    path = written(tmp_path, step("Montecarlo Sampling"), step("Remove Unreferenced Vertices"))
+    with pytest.raises(ScriptError, match=r"scan.mlx:3: .*would delete all the points"):
+        run_script(sphere, path)
+    assert sphere.mesh_number() == 1  # nothing ran
+
+
+@pytest.mark.parametrize("refine", ["", param("RefineFlag", "false", "RichBool")])
+def test_a_layer_that_is_not_looked_at_need_not_be_there(tmp_path, sphere, refine):
+    samples = step("Poisson-disk Sampling", param("SampleNum", "50", "RichInt"), refine,
+                   param("RefineMesh", "7", "RichMesh"))  # fmt: skip
+    (done,) = run_script(sphere, written(tmp_path, samples)).steps
+    assert done.status == "ran"
+    wanted = samples.replace('value="false"', 'value="true"')
+    if wanted != samples:
+        with pytest.raises(ScriptError, match="'refinemesh' must be the position of a layer"):
+            run_script(sphere, written(tmp_path, wanted))
