@@ -23,6 +23,7 @@ __all__ = [
 
 ERROR, NOTE, REMARK = "error", "note", "remark"
 SKIP, IGNORE = "skip", "ignore"
+LONGEST = 600  # letters of a message; the longest that quotes nothing has about 400
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +72,11 @@ class Findings:
 
     def note(self, line: int, message: str) -> None:
         """Collect something that was mapped or ignored."""
-        self.found.append(Finding(self.path, line, message, NOTE, "", self.step))
+        self.found.append(Finding(self.path, line, _shortened(message), NOTE, "", self.step))
 
     def error(self, line: int, message: str, remedy: str = SKIP) -> None:
         """Collect a mistake."""
+        message = _shortened(message)
         self.found.append(Finding(self.path, line, message, ERROR, remedy, self.step))
 
     @contextmanager
@@ -89,6 +91,13 @@ class Findings:
     def errors(self) -> int:
         """How many mistakes there are so far."""
         return sum(finding.severity == ERROR for finding in self.found)
+
+
+def _shortened(message: str) -> str:
+    """Return a message that fits a screen: what it quotes from a script may be of any length."""
+    if len(message) <= LONGEST:
+        return message
+    return f"{message[: LONGEST // 2]} ... {message[-LONGEST // 2 :]}"
 
 
 def check_findings(

@@ -104,6 +104,12 @@ class _Collector:
         self.open_tags: list[str] = []
         self.parser: Any = None  # set after construction: parser and target need each other
 
+    def doctype(self, name: str, public: str | None, system: str | None) -> None:
+        if system:  # never fetched; but what it declares would be missing
+            line = self.parser.parser.CurrentLineNumber + self.skipped
+            what = f"the DOCTYPE must not name a file or address; got {system!r:.60}"
+            raise self.problem(line, f"{what}; write <!DOCTYPE {ROOT}>")
+
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         line = self.parser.parser.CurrentLineNumber + self.skipped
         plain = tag.lower()
@@ -177,8 +183,8 @@ def read_script(path: str | Path) -> Script:
     FileError
         The file is missing or cannot be read.
     ScriptError
-        It is no XML, defines entities, is no filter script, or has a step or parameter without a
-        name; the message starts with ``file:line:``.
+        It is no XML, defines entities, names a DTD, is no filter script, or has a step or parameter
+        without a name; the message starts with ``file:line:``.
     """
     path = Path(path)
     try:

@@ -118,7 +118,10 @@ def _parsed_numbers(kind: str, text: str) -> object:
     if kind in _NUMBERS_IN or kind == "RichColor":
         return _parsed_row(text.strip("[]() "), _NUMBERS_IN.get(kind, 3))
     if kind == "RichAbsPerc" and text.endswith("%"):
-        return pymeshlab.PercentageValue(parsed_number(text[:-1].strip()))
+        share = parsed_number(text[:-1].strip())
+        if not 0.0 <= share <= 100.0:
+            raise ValueError(text)
+        return pymeshlab.PercentageValue(share)
     return int(text) if kind in ("RichInt", "RichMesh") else parsed_number(text)
 
 

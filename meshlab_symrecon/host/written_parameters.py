@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,8 @@ __all__ = ["filter_after", "is_idle", "values_of"]
 # Parameters that name a layer, and the switch without which that layer is not looked at.
 SWITCHED = {"generate_sampling_poisson_disk": {"refinemesh": "refineflag"}}
 CAMERA = "RichShotf"
+TEXTURE = "textname"
+MAKE_TEXTURES = ("compute_texmap_from_color", "transfer_attributes_to_texture_per_vertex")
 
 
 def values_of(item: NativeFilter, step: Step, written: Param, findings: Findings) -> dict[str, Any]:
@@ -94,9 +97,28 @@ def _read(
     value, note = value_of(parameter, written)
     if note:
         findings.note(written.line, note)
+    if parameter.name == TEXTURE and item.python_name in MAKE_TEXTURES:
+        value = _beside_the_mesh(written, value, findings)
     if _is_expression(item, parameter):
         value = _of_today(written, value, findings)
     return {parameter.name: value}
+
+
+def _beside_the_mesh(written: Param, path: str, findings: Findings) -> str:
+    """Return a picture's name without folders: scripts of strangers must not write just anywhere.
+
+    Raises
+    ------
+    ParameterError
+        It is a folder.
+    """
+    name = re.split(r"[/\\]", path.strip())[-1]
+    if name in (".", "..") or (path.strip() and not name):
+        raise ParameterError(f"parameter '{written.name}' must be a picture's name; got {path!r}")
+    if name != path.strip():
+        words = f"the folder of '{path}' left out: textures are written beside the mesh"
+        findings.note(written.line, words)
+    return name
 
 
 def _is_expression(item: NativeFilter, parameter: NativeParameter) -> bool:
