@@ -15,6 +15,7 @@ import pymeshlab
 
 from meshlab_symrecon.host.native_filters import NativeFilter, native_filters
 from meshlab_symrecon.host.native_values import NativeParameter, checked_value
+from meshlab_symrecon.host.remembered import first_defaults
 
 __all__ = ["constant_defaults"]
 
@@ -40,11 +41,12 @@ def _of_all_filters() -> Mapping[str, Mapping[str, Any]]:
 def _constant(
     item: NativeFilter, first: Mapping[str, Any], second: Mapping[str, Any]
 ) -> Mapping[str, Any]:
+    kept = first_defaults(item.python_name)
     return {
         known.name: checked_value(known, first[known.name])
         for known in _asked(item)
         if np.array_equal(_plain(first[known.name]), _plain(second[known.name]))
-    }
+    } | {name: checked_value(item.find(name), value) for name, value in kept.items()}
 
 
 def _asked(item: NativeFilter) -> tuple[NativeParameter, ...]:

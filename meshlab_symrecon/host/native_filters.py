@@ -17,11 +17,19 @@ from meshlab_symrecon.errors import UnknownFilterError
 from meshlab_symrecon.host.guards import check_step, reason_to_skip
 from meshlab_symrecon.host.native_values import NativeParameter, checked_value
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.remembered import first_defaults
 from meshlab_symrecon.host.translation import script_name_in_python, translated
 from meshlab_symrecon.plugin.parameters import nearest_names, unknown_parameter
 from meshlab_symrecon.plugin.registry import plain_name
 
-__all__ = ["NativeFilter", "apply_native", "find_native", "is_native", "native_filters"]
+__all__ = [
+    "NativeFilter",
+    "apply_native",
+    "completed",
+    "find_native",
+    "is_native",
+    "native_filters",
+]
 
 THREADS = "threads"
 
@@ -128,6 +136,26 @@ def _names(item: NativeFilter) -> tuple[str, str]:
     return item.python_name, item.menu_name
 
 
+def completed(item: NativeFilter, values: Mapping[str, object]) -> dict[str, Any]:
+    """Return checked values by Python names, with those that must not be left to MeshLab.
+
+    These are the number of threads, and what it remembers from the step before; see
+    ``first_defaults``.
+
+    Raises
+    ------
+    ParameterError
+        Unknown parameter, or a value of the wrong type.
+    """
+    arguments = {}
+    for given, value in {**first_defaults(item.python_name), **values}.items():
+        parameter = item.find(given)
+        arguments[parameter.name] = checked_value(parameter, value)
+    if any(parameter.name == THREADS for parameter in item.parameters):
+        arguments.setdefault(THREADS, 1)
+    return arguments
+
+
 def apply_native(
     mesh_set: Any, name: str, values: Mapping[str, object], *, may_empty: bool = False
 ) -> dict[str, Any]:
@@ -160,12 +188,7 @@ def apply_native(
         MeshLab refused the step.
     """
     item = find_native(name)
-    arguments = {}
-    for given, value in values.items():
-        parameter = item.find(given)
-        arguments[parameter.name] = checked_value(parameter, value)
-    if any(parameter.name == THREADS for parameter in item.parameters):
-        arguments.setdefault(THREADS, 1)
+    arguments = completed(item, values)
     check_step(mesh_set, item, arguments)
     skipped = "" if may_empty else reason_to_skip(mesh_set, item, arguments)
     if skipped:

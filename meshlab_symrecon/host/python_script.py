@@ -12,6 +12,7 @@ import pymeshlab
 
 from meshlab_symrecon.host.guards import EMPTY_CLOUDS
 from meshlab_symrecon.host.mlx import Script
+from meshlab_symrecon.host.native_filters import NativeFilter, completed
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep
 from meshlab_symrecon.host.step_of_today import as_written, written_as
@@ -91,8 +92,11 @@ def _comment(words: str, indent: int = len(INDENT)) -> list[str]:
 def _call(resolved: ResolvedStep) -> list[str]:
     if resolved.filter == CHANGE_LAYER:
         return [f"ms.set_current_mesh({_layer_at(resolved.values['mesh'])})"]
-    arguments = _arguments(resolved)
+    arguments = [*_arguments(resolved), *_left_out(resolved)]
     call = _laid_out(f"ms.{resolved.python_name}", arguments)
+    if resolved.then is not None:
+        name, values = resolved.then
+        call += _laid_out(f"ms.{name}", [(key, _literal(value)) for key, value in values.items()])
     if resolved.python_name in EMPTY_CLOUDS:
         return ["# beware: it deletes every point of a cloud without faces", *call]
     if resolved.keeps_current and not isinstance(resolved.filter, Filter):
@@ -112,6 +116,14 @@ def _arguments(resolved: ResolvedStep) -> list[tuple[str, list[str]]]:
         else:
             arguments.append((name, _literal(value)))
     return arguments
+
+
+def _left_out(resolved: ResolvedStep) -> list[tuple[str, list[str]]]:
+    """Return what our runner gives by itself: threads, and what MeshLab would remember."""
+    if not isinstance(resolved.filter, NativeFilter):
+        return []
+    given = completed(resolved.filter, resolved.values)
+    return [(name, _literal(value)) for name, value in given.items() if name not in resolved.values]
 
 
 def _layer_at(position: int) -> str:

@@ -27,7 +27,17 @@ def apply_script(ms):
     # Decimation' today
     # line 3: parameter 'TextureWeight' ignored: it is gone from 'Simplification: Quadric Edge
     # Collapse Decimation'
-    ms.meshing_decimation_quadric_edge_collapse(targetfacenum=100)
+    ms.meshing_decimation_quadric_edge_collapse(
+        targetfacenum=100,
+        qualitythr=0.3,
+        preserveboundary=False,
+        preservenormal=False,
+        preservetopology=False,
+        optimalplacement=True,
+        planarquadric=False,
+        planarweight=0.001,
+        qualityweight=False,
+    )
     # line 6: Compact faces
     # MeshLab does this by itself today
     # line 7: Merge Close Vertices
