@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.errors import ScriptError
+from meshlab_symrecon.host.checking import check_script
+from meshlab_symrecon.host.document_state import DocumentState
 from meshlab_symrecon.host.explanation import explained
 from meshlab_symrecon.host.findings import Finding
 from meshlab_symrecon.host.mlx import Script, Step, read_script, write_script
@@ -80,12 +82,19 @@ class FilterScript:
     def __getitem__(self, position: int) -> Step:
         return self.steps[self._checked(position)]
 
-    def check(self) -> tuple[Finding, ...]:
+    def check(self, mesh_set: Any = None) -> tuple[Finding, ...]:
         """Return everything that is wrong with it, and what would be mapped or ignored.
 
         Nothing is run. ``str`` of a finding is one line with file, line and reason.
+
+        Parameters
+        ----------
+        mesh_set : pymeshlab.MeshSet, optional
+            The document that it is meant for: each step is checked against what its layers will
+            be then.
         """
-        return matched(self._script).findings
+        known = DocumentState.unknown() if mesh_set is None else DocumentState.of(mesh_set)
+        return check_script(self._script, known)
 
     def with_step(
         self, name: str, /, *, at: int | None = None, **parameters: object

@@ -81,6 +81,15 @@ def test_findings_of_a_script_in_memory_name_the_step(installed):
     assert str(finding).startswith("script: step 2: no filter is called 'No Such Filter'")
 
 
+def test_a_script_is_checked_against_a_document(sphere):
+    script = FilterScript().with_step("get_hausdorff_distance", sampledmesh=0, targetmesh=1)
+    assert script.check() == ()
+    (finding,) = script.check(sphere)
+    assert "'targetmesh' must be the position of a layer" in str(finding)
+    sphere.create_cube()
+    assert script.check(sphere) == ()
+
+
 def values_of_every_type(parameter):
     return {
         "RichBool": True,
