@@ -33,6 +33,8 @@ LEAST = {
     "compute_selection_point_cloud_outliers": {"knearest": 1},
     "create_sphere_points": {"pointnum": 1},
     "create_torus": {"hsubdiv": 1, "vsubdiv": 1},
+    "generate_marching_cubes_apss": {"resolution": 1},
+    "generate_marching_cubes_rimls": {"resolution": 1},
     "generate_sampling_poisson_disk": {"bestsamplepool": 1},
     "generate_sampling_volumetric": {"samplevolnum": 1},
     "generate_sampling_voronoi": {"samplenum": 1},
