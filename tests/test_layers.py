@@ -25,7 +25,7 @@ ALLOWED = {
     "powercrust": KERNEL | {"clustering"},
     "plugin": BORDER,
     "filters": KERNEL | ALGORITHMS | {"plugin"},
-    "host": BORDER | {"plugin"},
+    "host": BORDER | {"_native", "plugin"},  # _native: the standard streams only
     "pictures": BORDER,
     "cli": BORDER | {"plugin", "host", "pictures"},
     "": {"errors", "host", "plugin"},  # the package itself, lazily

@@ -17,6 +17,7 @@ import pymeshlab
 
 from meshlab_symrecon.errors import PluginError
 from meshlab_symrecon.host import exact_steps, listings, script_history
+from meshlab_symrecon.host.aftermath import aftermath_undone
 from meshlab_symrecon.host.exact_steps import Note
 from meshlab_symrecon.host.native_filters import native_filters
 from meshlab_symrecon.host.notices import warn_user
@@ -134,7 +135,8 @@ def _apply_filter(native: Callable[..., Any]) -> Callable[..., Any]:
         if filter_name in registry():
             return run_filter(self, find_filter(filter_name), parameters)
         about_to_run = _note_of_native(self, filter_name, parameters)
-        measures = native(self, filter_name, **parameters)
+        with aftermath_undone():
+            measures = native(self, filter_name, **parameters)
         if about_to_run is not None:
             exact_steps.note(self, about_to_run)
         return measures
@@ -162,7 +164,8 @@ def _filter_parameter_values(native: Callable[..., Any]) -> Callable[..., Any]:
     def method(self: Any, name: str, /, **parameters: object) -> Any:
         if name in registry():
             return find_filter(name).bind(parameters).values()
-        return native(self, name, **parameters)
+        with aftermath_undone():
+            return native(self, name, **parameters)
 
     return method
 

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 import pymeshlab
 
 from meshlab_symrecon.errors import HostError, ParameterError, SymReconError
+from meshlab_symrecon.host.aftermath import aftermath_undone
 
 __all__ = ["script_name_in_python", "translated"]
 
@@ -34,7 +35,8 @@ def translated(step: str) -> Iterator[None]:
         MeshLab refused the step for any other reason.
     """
     try:
-        yield
+        with aftermath_undone():
+            yield
     except SymReconError:
         raise
     except pymeshlab.InvalidEnumException as error:

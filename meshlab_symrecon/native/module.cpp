@@ -139,6 +139,7 @@ NB_MODULE(_native, module) {
   bind_crust(module);
   bind_noise(module);
   bind_labels(module);
+  bind_streams(module);
   bind_surfaces(module);
   bind_symmetry(module);
 }
