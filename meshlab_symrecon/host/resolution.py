@@ -17,6 +17,7 @@ from meshlab_symrecon.host.native_values import NativeParameter, parse_native
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING, OldName, find_old_name
 from meshlab_symrecon.host.translation import script_name_in_python
 from meshlab_symrecon.host.written_parameters import filter_after, is_idle, values_of
+from meshlab_symrecon.host.written_steps import written_step
 from meshlab_symrecon.host.written_values import LAYER, value_of
 from meshlab_symrecon.plugin import Filter
 from meshlab_symrecon.plugin.parameters import Kind
@@ -43,8 +44,9 @@ class ResolvedStep:
         What was mapped or ignored, and why.
     keeps_current : bool
         The layer that it works on stays the current one, whatever layer it makes.
-    then : tuple of str and mapping, or None
-        Python name and values of the filter that runs after it, for what an old parameter did.
+    then : ResolvedStep or None
+        A filter of MeshLab's that runs after it, for what an old parameter did; it looks at faces,
+        so nothing is left for it to do on a layer without any.
     """
 
     step: Step
@@ -53,12 +55,17 @@ class ResolvedStep:
     layers: tuple[str, ...] = ()
     notes: tuple[Finding, ...] = ()
     keeps_current: bool = False
-    then: tuple[str, Mapping[str, Any]] | None = None
+    then: ResolvedStep | None = None
 
     @property
     def python_name(self) -> str:
         """The filter's name today."""
         return self.filter if isinstance(self.filter, str) else self.filter.python_name
+
+    @property
+    def filters(self) -> tuple[ResolvedStep, ...]:
+        """The step, and what runs after it, where something does."""
+        return (self,) if self.then is None else (self, self.then)
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,10 +202,19 @@ def _resolved_native(
                 values |= values_of(item, step, written, findings)
     then = None
     with findings.at(step.line, IGNORE):
-        then = filter_after(item, step)
+        then = _resolved_after(item, step)
     layers = (known.name for known in item.parameters if known.rich_type == LAYER)
     named = tuple(name for name in layers if name in values)
     return ResolvedStep(step, item, values, named, then=then)
+
+
+def _resolved_after(item: NativeFilter, step: Step) -> ResolvedStep | None:
+    after = filter_after(item, step)
+    if after is None:
+        return None
+    name, values = after
+    follower = find_native(name)
+    return ResolvedStep(replace(written_step(follower, values), line=step.line), follower, values)
 
 
 def _resolved_change(step: Step, findings: Findings) -> ResolvedStep | None:
