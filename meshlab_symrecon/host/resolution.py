@@ -218,7 +218,7 @@ def _resolved_after(item: NativeFilter, step: Step) -> ResolvedStep | None:
 
 
 def _resolved_change(step: Step, findings: Findings) -> ResolvedStep | None:
-    findings.note(step.line, "the current layer changes, by position")
+    findings.remark(step.line, "the current layer changes, by position")
     before = findings.errors
     target = NativeParameter("mesh", "mesh", LAYER)
     values = {}

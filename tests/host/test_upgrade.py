@@ -222,12 +222,19 @@ def test_steps_of_plugins_are_left_out_of_native_scripts(script, installed):
 
 
 @pytest.mark.parametrize("leave_out", [for_the_window, without_plugins])
-@pytest.mark.parametrize("steps", [(), ('<filter name="Grow Points"/>',),
-                                   ('<filter name="Compact faces"/>',)])  # fmt: skip
-def test_a_script_of_which_nothing_is_left(script, installed, leave_out, steps):
-    ours = script(*steps)
+@pytest.mark.parametrize("step", ['<filter name="Grow Points"/>', '<filter name="Compact faces"/>'])
+def test_a_script_of_which_nothing_is_left(script, installed, leave_out, step):
+    ours = script(step)
     with pytest.raises(ScriptError, match=r"old.mlx:1: no step that can run is a filt"):
         leave_out(ours, matched(ours))
+
+
+@pytest.mark.parametrize("leave_out", [for_the_window, without_plugins])
+def test_of_a_script_without_steps_nothing_is_left_out(script, leave_out):
+    empty = script()
+    assert leave_out(empty, matched(empty)).steps == ()
+    assert upgraded(empty, leave_out(empty, matched(empty))).unchanged
+    assert FilterScript().native_only().steps == ()
 
 
 def test_the_layer_that_a_deletion_would_meet_in_the_window(script):
