@@ -79,7 +79,7 @@ def _said(finding: Finding, step: Step) -> str:
 
 def _paragraph(step: Step, resolved: ResolvedStep | None) -> list[str]:
     where = f" (line {step.line})" if step.line else ""
-    name = " ".join(step.name.split())
+    name = " ".join(step.name.split()) or "A step without a name"
     if resolved is None:
         return [f"{name}{where}", "Does not run."]
     if resolved.filter == NOTHING:

@@ -352,3 +352,16 @@ def test_a_step_made_in_memory_is_followed_without_a_line():
     ))  # fmt: skip
     new = today(FilterScript((step,))._script)
     assert new.comments[1][0].startswith(" 'Conditional Vertex Selection' did this by itself; ")
+
+
+def test_a_step_without_a_name_is_left_out_and_explained(script):
+    wrong = script("<filter/>", '<filter name="Close Holes"/>')
+    text = text_of(wrong, lenient=True)
+    assert "<!-- line 2: this step was left out: this <filter> has no name; " in text
+    assert text.count('<filter name="') == 1
+    assert "1. A step without a name (line 2)\n   Does not run.\n   MISTAKE: this <f" in explained(
+        wrong, matched(wrong)
+    )
+    assert "this step was left out: this <filter>" in python_script(
+        wrong, checked(wrong, lenient=True)
+    )
