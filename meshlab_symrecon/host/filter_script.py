@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.errors import ScriptError
 from meshlab_symrecon.host.checking import check_script
+from meshlab_symrecon.host.comment_places import Comments, with_step_at, without_step_at
 from meshlab_symrecon.host.document_state import DocumentState
 from meshlab_symrecon.host.explanation import explained
 from meshlab_symrecon.host.findings import Finding
@@ -48,7 +49,7 @@ class FilterScript:
 
     steps: tuple[Step, ...] = ()
     path: Path = IN_MEMORY
-    comments: Mapping[int, Sequence[str]] = field(default_factory=dict, compare=False)
+    comments: Comments = field(default_factory=dict, compare=False)
 
     @classmethod
     def read(cls, path: str | Path) -> FilterScript:
@@ -128,7 +129,7 @@ class FilterScript:
         return replace(
             self,
             steps=(*self.steps[:position], step, *self.steps[position:]),
-            comments=self._comments_with_room(position),
+            comments=with_step_at(self.comments, position, len(self.steps)),
         )
 
     def with_values(self, position: int, /, **parameters: object) -> FilterScript:
@@ -173,7 +174,7 @@ class FilterScript:
         return replace(
             self,
             steps=(*self.steps[:gone], *self.steps[gone + 1 :]),
-            comments=self._comments_without(gone),
+            comments=without_step_at(self.comments, gone),
         )
 
     def upgraded(self, *, lenient: bool = False) -> FilterScript:
@@ -262,20 +263,6 @@ class FilterScript:
     def _rewritten(self, matching: Matching) -> FilterScript:
         new = upgraded(self._script, matching)
         return replace(self, steps=new.steps, comments=new.comments)
-
-    def _comments_with_room(self, position: int) -> Mapping[int, Sequence[str]]:
-        """Return the comments once a step stands at a position; those at the end stay above it."""
-        if position == len(self.steps):
-            return self.comments
-        return {place + (place >= position): texts for place, texts in self.comments.items()}
-
-    def _comments_without(self, gone: int) -> Mapping[int, Sequence[str]]:
-        kept: dict[int, Sequence[str]] = {}
-        for place, texts in sorted(self.comments.items()):
-            if place != gone or place == 0:
-                later = place - (place > gone)
-                kept[later] = (*kept.get(later, ()), *texts)
-        return kept
 
     def _checked(self, position: int) -> int:
         count = len(self.steps)
