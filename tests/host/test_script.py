@@ -152,7 +152,7 @@ def test_scripts_that_cannot_be_read(tmp_path, sphere):
     with pytest.raises(FileError, match="cannot be read"):
         run_script(sphere, tmp_path / "none.mlx")
     path = written(tmp_path, "<filter>")
-    with pytest.raises(ScriptError, match=r"scan.mlx:2: this <filter> has no name"):
+    with pytest.raises(ScriptError, match=r"scan.mlx:3: this is not XML: mismatched tag"):
         run_script(sphere, path)
 
 

@@ -270,7 +270,7 @@ def test_an_old_mixed_script_is_loaded_and_run(plugins, tmp_path):
     ]  # fmt: skip
     report = mesh_set.apply_filter_script()
     assert [(step.line, step.status) for step in report.steps] == [
-        (2, "mapped"), (6, "mapped"), (7, "ran"), (8, "mapped"), (10, "mapped"),
+        (2, "mapped"), (6, "mapped"), (7, "ran"), (8, "mapped"), (10, "ran"),
     ]  # fmt: skip
     by_hand.compute_matrix_from_scaling_or_normalization(
         axisx=0.12345678901234567, uniformflag=True
