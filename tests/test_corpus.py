@@ -63,8 +63,9 @@ def test_a_script_runs_whole(name):
 
 def check_notes(case, report):
     for step in report.steps:
-        words = case.mapped.get(step.line, ())
-        assert step.status == (MAPPED if words else RAN), step
+        mapped = case.mapped.get(step.line, ())
+        assert step.status == (MAPPED if mapped else RAN), step
+        words = (*mapped, *case.remarked.get(step.line, ()))
         assert len(step.notes) == len(words), step
         for wanted, note in zip(words, step.notes, strict=True):
             assert wanted in note
@@ -119,6 +120,13 @@ def test_a_strict_run_refuses_what_would_be_mapped(name):
         ran(name, mesh_set, strict=True)
     assert all(line.startswith(f"{FOLDER / name}.mlx:") for line in str(caught.value).splitlines())
     assert_same_documents(snapshot(mesh_set), before)
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, case in RUNS.items() if case.remarked and not case.mapped]
+)
+def test_a_strict_run_refuses_no_change_of_layer(name):
+    check_notes(RUNS[name], ran(name, DOCUMENTS[RUNS[name].document](), strict=True))
 
 
 @pytest.mark.parametrize("name", BY_HAND)

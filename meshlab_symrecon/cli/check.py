@@ -37,6 +37,7 @@ def check(
     or textures. Exits with 0 when the script can run, else with 1.
     """
     from meshlab_symrecon.cli.reports import write_json
+    from meshlab_symrecon.errors import ScriptError
     from meshlab_symrecon.host.checking import check_script
     from meshlab_symrecon.host.files import check_output
     from meshlab_symrecon.host.mlx import read_script
@@ -45,18 +46,40 @@ def check(
         raise click.UsageError("--strict and --lenient contradict each other; give one")
     if report is not None:
         check_output(report, [script, *inputs], ())
-    written = read_script(script)
+    try:
+        written = read_script(script)
+    except ScriptError as error:
+        if report is not None:
+            write_json(report, _report(script, inputs, [(_unreadable(script, error), "error")]))
+        raise
     findings = check_script(written, _state(inputs))
     shown = [(finding, _verdict(finding, strict, lenient)) for finding in findings]
     failed = any(verdict == "error" for _, verdict in shown)
     if report is not None:
-        facts = {"script": str(script), "inputs": [str(path) for path in inputs]}
-        listed = [_facts(finding, verdict) for finding, verdict in shown]
-        write_json(report, facts | {"runs": not failed, "findings": listed})
+        write_json(report, _report(script, inputs, shown))
     for finding, verdict in shown:
         click.echo(f"{finding.file}:{finding.line}: {verdict}: {finding.message}")
     click.echo(_summary(len(written.steps), [verdict for _, verdict in shown]))
     return FAILED if failed else DONE
+
+
+def _unreadable(script: Path, error: Exception) -> Finding:
+    """Return the finding that an error of reading a script is, which begins with its place."""
+    from meshlab_symrecon.host.findings import Finding
+
+    line, _, words = str(error).removeprefix(f"{script}:").partition(": ")
+    return Finding(str(script), int(line), words)
+
+
+def _report(
+    script: Path, inputs: tuple[Path, ...], shown: list[tuple[Finding, str]]
+) -> dict[str, object]:
+    return {
+        "script": str(script),
+        "inputs": [str(path) for path in inputs],
+        "runs": all(verdict != "error" for _, verdict in shown),
+        "findings": [_facts(finding, verdict) for finding, verdict in shown],
+    }
 
 
 def _state(inputs: tuple[Path, ...]) -> DocumentState:

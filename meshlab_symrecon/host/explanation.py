@@ -79,7 +79,7 @@ def _said(finding: Finding, step: Step) -> str:
 
 def _paragraph(step: Step, resolved: ResolvedStep | None) -> list[str]:
     where = f" (line {step.line})" if step.line else ""
-    name = " ".join(step.name.split())
+    name = " ".join(step.name.split()) or "A step without a name"
     if resolved is None:
         return [f"{name}{where}", "Does not run."]
     if resolved.filter == NOTHING:
@@ -142,7 +142,14 @@ def _native(resolved: ResolvedStep, item: NativeFilter, where: str) -> list[str]
         shown = _shown(known, values[known.name], written.get(known.name))
         lines.append(f"- {known.script_name} = {shown}")
     left = [known for known in item.parameters if known.name not in (*values, *written)]
-    return lines + _left_to_meshlab(item, left)
+    return lines + _left_to_meshlab(item, left) + _following(resolved.then)
+
+
+def _following(then: ResolvedStep | None) -> list[str]:
+    if then is None or not isinstance(then.filter, NativeFilter):
+        return []
+    title, *rest = _native(then, then.filter, "")
+    return [f"Then, on a layer with faces, runs: {title}", *rest]
 
 
 def _works_on(resolved: ResolvedStep, item: NativeFilter) -> list[str]:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.errors import ScriptError
 from meshlab_symrecon.host.checking import check_script
+from meshlab_symrecon.host.comment_places import Comments, with_step_at, without_step_at
 from meshlab_symrecon.host.document_state import DocumentState
 from meshlab_symrecon.host.explanation import explained
 from meshlab_symrecon.host.findings import Finding
 from meshlab_symrecon.host.mlx import Script, Step, read_script, write_script
 from meshlab_symrecon.host.native_only import checked_for_the_window
 from meshlab_symrecon.host.python_script import python_script
-from meshlab_symrecon.host.resolution import find_any, matched
+from meshlab_symrecon.host.resolution import Matching, find_any, matched
 from meshlab_symrecon.host.script import ScriptReport, run_steps
 from meshlab_symrecon.host.script_history import recorded_script
 from meshlab_symrecon.host.trial import try_script
@@ -41,10 +42,14 @@ class FilterScript:
     steps : tuple of Step
     path : Path
         The file it was read from, for messages.
+    comments : mapping of int to texts
+        What stands above the step at a position; after the last one at one more than its position.
+        They stay with their steps, and are no part of the comparison.
     """
 
     steps: tuple[Step, ...] = ()
     path: Path = IN_MEMORY
+    comments: Comments = field(default_factory=dict, compare=False)
 
     @classmethod
     def read(cls, path: str | Path) -> FilterScript:
@@ -56,7 +61,7 @@ class FilterScript:
             As ``read_script``.
         """
         script = read_script(path)
-        return cls(script.steps, script.path)
+        return cls(script.steps, script.path, script.comments)
 
     @classmethod
     def of(cls, mesh_set: Any) -> FilterScript:
@@ -121,7 +126,11 @@ class FilterScript:
         if position != len(self.steps):
             self._checked(position)
         step = written_step(find_any(name), parameters)
-        return replace(self, steps=(*self.steps[:position], step, *self.steps[position:]))
+        return replace(
+            self,
+            steps=(*self.steps[:position], step, *self.steps[position:]),
+            comments=with_step_at(self.comments, position, len(self.steps)),
+        )
 
     def with_values(self, position: int, /, **parameters: object) -> FilterScript:
         """Return a script in which one step has other values; its other parameters stay.
@@ -141,13 +150,20 @@ class FilterScript:
             for param in written_step(item, parameters).parameters
             if item.find(param.name).name in changed
         }
-        kept = [new.pop(param.name.strip().lower(), param) for param in step.parameters]
+        given = set(new)
+        kept = []
+        for param in step.parameters:  # of which one may be written twice
+            name = param.name.strip().lower()
+            if name in new or name not in given:
+                kept.append(new.pop(name, param))
         steps = list(self.steps)
         steps[self._checked(position)] = replace(step, parameters=(*kept, *new.values()))
         return replace(self, steps=tuple(steps))
 
     def without_step(self, position: int, /) -> FilterScript:
-        """Return a script that lacks one step.
+        """Return a script that lacks one step, and the comments on it.
+
+        What stands above the first step stays: it may be about the whole script.
 
         Raises
         ------
@@ -155,18 +171,21 @@ class FilterScript:
             There is no such position.
         """
         gone = self._checked(position)
-        return replace(self, steps=(*self.steps[:gone], *self.steps[gone + 1 :]))
+        return replace(
+            self,
+            steps=(*self.steps[:gone], *self.steps[gone + 1 :]),
+            comments=without_step_at(self.comments, gone),
+        )
 
     def upgraded(self, *, lenient: bool = False) -> FilterScript:
-        """Return a script that does the same, in today's names.
+        """Return a script that does the same, in today's names, with comments on what changed.
 
         Raises
         ------
         ScriptError
             It has mistakes; ``lenient`` leaves out what cannot run.
         """
-        matching = checked(self._script, lenient=lenient)
-        return replace(self, steps=upgraded(self._script, matching).steps)
+        return self._rewritten(checked(self._script, lenient=lenient))
 
     def native_only(self, *, lenient: bool = False) -> FilterScript:
         """Return what of it can run in MeshLab's window, in today's names.
@@ -175,10 +194,9 @@ class FilterScript:
         ------
         ScriptError
             It has mistakes, changes the current layer or has percentages, which MeshLab's scripts
-            cannot hold; ``lenient`` leaves these out. Or nothing is left.
+            cannot hold; ``lenient`` leaves these out. Or nothing is left of its steps.
         """
-        matching = checked_for_the_window(self._script, lenient=lenient)
-        return replace(self, steps=upgraded(self._script, matching).steps)
+        return self._rewritten(checked_for_the_window(self._script, lenient=lenient))
 
     def explained(self) -> str:
         """Return in words what each step does; mistakes stand where they are made."""
@@ -202,7 +220,7 @@ class FilterScript:
         FileError, ScriptError
             As ``write_script``.
         """
-        write_script(self.steps, path)
+        write_script(self.steps, path, self.comments)
 
     def run(
         self,
@@ -240,7 +258,11 @@ class FilterScript:
 
     @property
     def _script(self) -> Script:
-        return Script(self.path, self.steps)
+        return Script(self.path, self.steps, self.comments)
+
+    def _rewritten(self, matching: Matching) -> FilterScript:
+        new = upgraded(self._script, matching)
+        return replace(self, steps=new.steps, comments=new.comments)
 
     def _checked(self, position: int) -> int:
         count = len(self.steps)

@@ -74,6 +74,10 @@ class Findings:
         """Collect something that was mapped or ignored."""
         self.found.append(Finding(self.path, line, _shortened(message), NOTE, "", self.step))
 
+    def remark(self, line: int, message: str) -> None:
+        """Collect something that is worth knowing, though it runs as it is written."""
+        self.found.append(Finding(self.path, line, _shortened(message), REMARK, "", self.step))
+
     def error(self, line: int, message: str, remedy: str = SKIP) -> None:
         """Collect a mistake."""
         message = _shortened(message)

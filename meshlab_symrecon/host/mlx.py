@@ -27,6 +27,7 @@ __all__ = [
     "Step",
     "choice_attributes",
     "read_script",
+    "same_name",
     "script_text",
     "step_of",
     "write_script",
@@ -36,6 +37,7 @@ HEADER = "<!DOCTYPE FilterScript>\n"
 ROOT = "FilterScript"
 STEPS = ("filter", "xmlfilter")
 PARAMETERS = ("param", "xmlparam")
+TEXTS = ("RichString", "RichOpenFile", "RichSaveFile")
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -137,23 +139,15 @@ class _Collector:
     def start_step(self, tag: str, line: int, attributes: dict[str, str]) -> None:
         if tag not in STEPS:
             raise self.problem(line, f"a step must be a <filter> or <xmlfilter>; got <{tag}>")
-        if not attributes.get("name", "").strip():
-            raise self.problem(line, f'this <{tag}> has no name; write name="..."')
-        self.steps.append(Step(attributes["name"], line, (), tag == "xmlfilter"))
+        self.steps.append(Step(attributes.get("name", ""), line, (), tag == "xmlfilter"))
 
     def start_parameter(self, line: int, attributes: dict[str, str]) -> None:
         rest = dict(attributes)
         name, rich_type = rest.pop("name", ""), rest.pop("type", "")
-        if not name.strip():
-            raise self.problem(line, 'this parameter has no name; write name="..."')
         step = self.steps[-1]
         parameter = Param(name, line, rich_type, rest.pop("value", None), rest)
-        twin = next((known for known in step.parameters if same_name(known.name, name)), None)
-        if twin is None:
+        if not any(_says_the_same(known, parameter) for known in step.parameters):
             self.steps[-1] = replace(step, parameters=(*step.parameters, parameter))
-        elif (twin.text, twin.attributes) != (parameter.text, parameter.attributes):
-            what = f"parameter '{name}' is given twice, with different values; keep one"
-            raise self.problem(line, what)
 
     def problem(self, line: int, what: str) -> ScriptError:
         return ScriptError(f"{self.path}:{line}: {what}")
@@ -162,6 +156,21 @@ class _Collector:
 def same_name(first: str, second: str) -> bool:
     """Say whether two names of parameters are one, as scripts are read."""
     return first.strip().lower() == second.strip().lower()
+
+
+def _says_the_same(first: Param, second: Param) -> bool:
+    """Say whether one of two parameters can be left out; only in texts does case matter."""
+    texts = any(parameter.rich_type in TEXTS for parameter in (first, second))
+    named = first.name.strip() and same_name(first.name, second.name)
+    return bool(named) and _content(first, not texts) == _content(second, not texts)
+
+
+def _content(parameter: Param, fold: bool) -> dict[str, str]:
+    written = dict(parameter.attributes)
+    if parameter.text is not None:
+        written["value"] = parameter.text
+    stripped = {name: text.strip() for name, text in written.items()}
+    return {name: text.lower() for name, text in stripped.items()} if fold else stripped
 
 
 def _without_leading_blanks(content: bytes) -> tuple[bytes, int]:
@@ -183,8 +192,9 @@ def read_script(path: str | Path) -> Script:
     FileError
         The file is missing or cannot be read.
     ScriptError
-        It is no XML, defines entities, names a DTD, is no filter script, or has a step or parameter
-        without a name; the message starts with ``file:line:``.
+        It is no XML, defines entities, names a DTD, or is no filter script; the message starts with
+        ``file:line:``. Steps and parameters without a name, and parameters that are given twice
+        with different values, are read as they are: ``resolution.matched`` finds them.
     """
     path = Path(path)
     try:

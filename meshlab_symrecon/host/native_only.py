@@ -34,7 +34,7 @@ def without_plugins(script: Script, matching: Matching) -> Matching:
     Raises
     ------
     ScriptError
-        No step of MeshLab's own is left.
+        It has steps, and none of MeshLab's own is left.
     """
     return _rewritten(script, matching, _native)
 
@@ -51,7 +51,7 @@ def for_the_window(script: Script, matching: Matching) -> Matching:
     Raises
     ------
     ScriptError
-        No step of MeshLab's own is left.
+        It has steps, and none of MeshLab's own is left.
     """
     return _rewritten(script, matching, _in_the_window)
 
@@ -87,7 +87,7 @@ def _rewritten(
 
 
 def _check_rest(script: Script, steps: Sequence[ResolvedStep | None]) -> None:
-    if not any(step is not None and not isinstance(step.filter, str) for step in steps):
+    if steps and not any(step is not None and not isinstance(step.filter, str) for step in steps):
         message = "no step that can run is a filter of MeshLab's own, so nothing is left"
         raise ScriptError(f"{script.path}:1: {message}; run it with 'symrecon run'")
 

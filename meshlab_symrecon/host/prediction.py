@@ -39,6 +39,13 @@ def after(state: DocumentState, resolved: ResolvedStep | None) -> DocumentState:
     """Return what is known of a document after a step, None standing for an unknown one."""
     if resolved is None:
         return DocumentState(more=None)
+    state = _after_one(state, resolved)
+    if resolved.then is None or state.current_layer.has("faces") is False:
+        return state
+    return _after_one(state, resolved.then)
+
+
+def _after_one(state: DocumentState, resolved: ResolvedStep) -> DocumentState:
     if isinstance(resolved.filter, str):
         if resolved.filter == CHANGE_LAYER and "mesh" in resolved.values:
             return state.with_current_at(resolved.values["mesh"])

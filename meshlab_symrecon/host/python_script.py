@@ -95,8 +95,8 @@ def _call(resolved: ResolvedStep) -> list[str]:
     arguments = [*_arguments(resolved), *_left_out(resolved)]
     call = _laid_out(f"ms.{resolved.python_name}", arguments)
     if resolved.then is not None:
-        name, values = resolved.then
-        call += _laid_out(f"ms.{name}", [(key, _literal(value)) for key, value in values.items()])
+        inside = (f"{INDENT}{line}" for line in _call(resolved.then))
+        call += ["if ms.current_mesh().face_number():", *inside]
     if resolved.python_name in EMPTY_CLOUDS:
         return ["# beware: it deletes every point of a cloud without faces", *call]
     if resolved.keeps_current and not isinstance(resolved.filter, Filter):

@@ -6,17 +6,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.errors import ParameterError, ScriptError
 from meshlab_symrecon.host.current_layer import KEPT, MADE, current_is_kept, current_was_kept
 from meshlab_symrecon.host.filter_names import find_any, find_listed, known_today
 from meshlab_symrecon.host.findings import IGNORE, NOTE, Finding, Findings, check_findings
 from meshlab_symrecon.host.guards import check_display
-from meshlab_symrecon.host.mlx import Script, Step
+from meshlab_symrecon.host.mlx import Param, Script, Step, same_name
 from meshlab_symrecon.host.native_filters import NativeFilter, find_native
 from meshlab_symrecon.host.native_values import NativeParameter, parse_native
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING, OldName, find_old_name
 from meshlab_symrecon.host.translation import script_name_in_python
 from meshlab_symrecon.host.written_parameters import filter_after, is_idle, values_of
+from meshlab_symrecon.host.written_steps import written_step
 from meshlab_symrecon.host.written_values import LAYER, value_of
 from meshlab_symrecon.plugin import Filter
 from meshlab_symrecon.plugin.parameters import Kind
@@ -43,8 +44,9 @@ class ResolvedStep:
         What was mapped or ignored, and why.
     keeps_current : bool
         The layer that it works on stays the current one, whatever layer it makes.
-    then : tuple of str and mapping, or None
-        Python name and values of the filter that runs after it, for what an old parameter did.
+    then : ResolvedStep or None
+        A filter of MeshLab's that runs after it, for what an old parameter did; it looks at faces,
+        so nothing is left for it to do on a layer without any.
     """
 
     step: Step
@@ -53,12 +55,17 @@ class ResolvedStep:
     layers: tuple[str, ...] = ()
     notes: tuple[Finding, ...] = ()
     keeps_current: bool = False
-    then: tuple[str, Mapping[str, Any]] | None = None
+    then: ResolvedStep | None = None
 
     @property
     def python_name(self) -> str:
         """The filter's name today."""
         return self.filter if isinstance(self.filter, str) else self.filter.python_name
+
+    @property
+    def filters(self) -> tuple[ResolvedStep, ...]:
+        """The step, and what runs after it, where something does."""
+        return (self,) if self.then is None else (self, self.then)
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +88,9 @@ class Matching:
 def matched(script: Script) -> Matching:
     """Match every step and parameter of a script with what is there today.
 
-    Mistakes are unknown filters or parameters, values of the wrong type, files that are not there,
-    filters that need a window.
+    Mistakes are unknown filters or parameters, steps or parameters without a name, parameters given
+    twice with different values, values of the wrong type, files that are not there, filters that
+    need a window.
     """
     findings = Findings(script.path)
     steps: list[ResolvedStep | None] = []
@@ -90,7 +98,7 @@ def matched(script: Script) -> Matching:
         findings.step = number
         steps.append(None)
         with findings.at(step.line):
-            steps[-1] = _resolved(step, findings)
+            steps[-1] = _resolved(_sound(step, findings), findings)
     names = ["" if step is None else step.python_name for step in steps]
     found = [
         None if step is None else _with_current(step, names, number, findings)
@@ -132,6 +140,29 @@ def resolve_script(script: Script) -> tuple[ResolvedStep, ...]:
     matching = matched(script)
     check_findings(matching.findings)
     return tuple(step for step in matching.steps if step is not None)
+
+
+def _sound(step: Step, findings: Findings) -> Step:
+    """Return a step without parameters that have no name, or were given another value before.
+
+    Raises
+    ------
+    ScriptError
+        The step itself has no name.
+    """
+    kept: list[Param] = []
+    for param in step.parameters:
+        with findings.at(param.line, IGNORE):
+            if not param.name.strip():
+                raise ScriptError('this parameter has no name; write name="..."')
+            if any(same_name(param.name, known.name) for known in kept):
+                message = f"parameter '{param.name}' is given twice, with different values"
+                raise ScriptError(f"{message}; keep one")
+            kept.append(param)
+    if not step.name.strip():
+        tag = "xmlfilter" if step.from_xml_plugin else "filter"
+        raise ScriptError(f'this <{tag}> has no name; write name="..."')
+    return step if len(kept) == len(step.parameters) else replace(step, parameters=tuple(kept))
 
 
 def _resolved(step: Step, findings: Findings) -> ResolvedStep | None:
@@ -195,14 +226,23 @@ def _resolved_native(
                 values |= values_of(item, step, written, findings)
     then = None
     with findings.at(step.line, IGNORE):
-        then = filter_after(item, step)
+        then = _resolved_after(item, step)
     layers = (known.name for known in item.parameters if known.rich_type == LAYER)
     named = tuple(name for name in layers if name in values)
     return ResolvedStep(step, item, values, named, then=then)
 
 
+def _resolved_after(item: NativeFilter, step: Step) -> ResolvedStep | None:
+    after = filter_after(item, step)
+    if after is None:
+        return None
+    name, values = after
+    follower = find_native(name)
+    return ResolvedStep(replace(written_step(follower, values), line=step.line), follower, values)
+
+
 def _resolved_change(step: Step, findings: Findings) -> ResolvedStep | None:
-    findings.note(step.line, "the current layer changes, by position")
+    findings.remark(step.line, "the current layer changes, by position")
     before = findings.errors
     target = NativeParameter("mesh", "mesh", LAYER)
     values = {}

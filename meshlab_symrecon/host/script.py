@@ -228,8 +228,9 @@ class _Runner:
         )
         if reason:
             warn_user(f"'{resolved.filter.menu_name}' deleted every point: no face was left")
-        if resolved.then is not None:
-            measures |= apply_native(self.mesh_set, *resolved.then)
+        then = resolved.then
+        if then is not None and self.mesh_set.current_mesh().face_number():
+            measures |= apply_native(self.mesh_set, then.python_name, then.values)
         if resolved.keeps_current and self.mesh_set.mesh_id_exists(before):
             self.mesh_set.set_current_mesh(before)
         return measures

@@ -6,6 +6,7 @@ end the process; nothing of them is used here but the history itself.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -51,9 +52,9 @@ def load_script(mesh_set: Any, path: str | Path) -> None:
     script = read_script(path)
     matching = matched(script)
     check_findings(matching.findings)
-    steps = [step for step in matching.steps if step is not None]
+    steps = [one for step in matching.steps if step is not None for one in step.filters]
     history.restore(mesh_set, [_shown(step) for step in steps])
-    notes = tuple(Note(_today(step), step.step) for step in steps)
+    notes = tuple(Note(_today(step), _noted(step)) for step in steps)
     exact_steps.replace(mesh_set, Notes(script.path, notes))
     for finding in matching.findings:
         warn_user(str(finding))
@@ -114,11 +115,11 @@ def todays_steps(script: Script) -> tuple[Step, ...]:
         if resolved.filter == NOTHING:
             warn_user(f"{where} was left out: MeshLab does this by itself today")
             continue
-        step = _today(resolved)
-        for param in step.parameters:
-            if param.rich_type == LENGTH and (param.text or "").endswith("%"):
-                warn_user(f"{where} keeps {param.name}={param.text}, which only we read")
-        steps.append(step)
+        for step in map(_today, resolved.filters):
+            for param in step.parameters:
+                if param.rich_type == LENGTH and (param.text or "").endswith("%"):
+                    warn_user(f"{where} keeps {param.name}={param.text}, which only we read")
+            steps.append(step)
     return tuple(steps)
 
 
@@ -128,6 +129,13 @@ def _today(resolved: ResolvedStep) -> Step:
     if isinstance(resolved.filter, NativeFilter):
         return written_step(resolved.filter, resolved.values)
     return resolved.step
+
+
+def _noted(resolved: ResolvedStep) -> Step:
+    """Return the step as it was written; of today where what follows is a step of its own."""
+    if resolved.then is None:
+        return resolved.step
+    return replace(_today(resolved), line=resolved.step.line)
 
 
 def _shown(resolved: ResolvedStep) -> history.Step:

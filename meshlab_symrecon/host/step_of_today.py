@@ -16,14 +16,21 @@ from meshlab_symrecon.host.old_names import NOTHING
 from meshlab_symrecon.host.resolution import ResolvedStep
 from meshlab_symrecon.host.written_steps import written_step
 
-__all__ = ["as_written", "step_today", "written_as"]
+__all__ = ["as_written", "steps_today", "written_as"]
 
 RANGES = ("RichAbsPerc", "RichDynamicFloat")  # MeshLab drops these without "min" and "max"
 CHANGE_NAME = "Change the current layer"
 
 
-def step_today(resolved: ResolvedStep) -> Step | None:
-    """Return the step under its name of today; None where nothing is left to do."""
+def steps_today(resolved: ResolvedStep) -> tuple[Step | None, Step | None]:
+    """Return the step under its name of today, and the one that must follow it today.
+
+    Each is None where there is nothing to do.
+    """
+    return _step_today(resolved), None if resolved.then is None else _step_today(resolved.then)
+
+
+def _step_today(resolved: ResolvedStep) -> Step | None:
     if resolved.filter == NOTHING:
         return None
     if isinstance(resolved.filter, str):

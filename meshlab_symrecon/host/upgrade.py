@@ -9,7 +9,7 @@ from meshlab_symrecon.host.findings import ERROR, IGNORE, Finding, check_finding
 from meshlab_symrecon.host.mlx import Script, Step
 from meshlab_symrecon.host.old_names import NOTHING
 from meshlab_symrecon.host.resolution import Matching, ResolvedStep, matched
-from meshlab_symrecon.host.step_of_today import step_today
+from meshlab_symrecon.host.step_of_today import steps_today
 from meshlab_symrecon.plugin import Filter
 
 __all__ = ["Upgrade", "checked", "comments_of", "upgraded"]
@@ -50,13 +50,16 @@ def upgraded(script: Script, matching: Matching) -> Upgrade:
     kept: dict[int, tuple[str, ...]] = {}
     for number, (old, resolved) in enumerate(zip(script.steps, matching.steps, strict=True)):
         own = tuple(before.get(number, ()))
-        new = None if resolved is None else step_today(resolved)
+        new, following = (None, None) if resolved is None else steps_today(resolved)
         said = _changes(old, resolved, new, comments_of(matching.findings, number))
         fresh = tuple(f" {words} " for words in said if not _is_said(words, own))
         if own or fresh:
             kept[len(steps)] = (*kept.get(len(steps), ()), *own, *fresh)
         if new is not None:
             steps.append(new)
+        if following is not None:
+            kept[len(steps)] = (f" {_follows(old, following)} ",)
+            steps.append(following)
     last = tuple(before.get(len(script.steps), ()))
     if last:
         kept[len(steps)] = (*kept.get(len(steps), ()), *last)
@@ -94,6 +97,12 @@ def _is_said(words: str, comments: Sequence[str]) -> bool:
     """Say whether a comment of an earlier upgrade has these words, whatever line it names."""
     sentence = words.partition(": ")[2] if words.startswith("line ") else words
     return any(sentence in comment for comment in comments)
+
+
+def _follows(old: Step, following: Step) -> str:
+    where = f"line {old.line}: " if old.line else ""
+    words = f"'{old.name.strip()}' did this by itself; leave '{following.name}' out for clouds"
+    return f"{where}{words}"
 
 
 def _changes(

@@ -117,8 +117,31 @@ def test_a_script_that_cannot_be_read(run, script, tmp_path):
     assert result.exit_code == 1
     assert result.stderr.startswith("error: scan.mlx:")
     assert result.stdout == ""
-    assert not (tmp_path / "r.json").exists()
-    assert run("check", "none.mlx").exit_code == 1
+    report = json.loads((tmp_path / "r.json").read_text())
+    (found,) = report.pop("findings")
+    assert report == {"script": "scan.mlx", "inputs": [], "runs": False}
+    assert result.stderr == f"error: scan.mlx:{found['line']}: {found['message']}\n"
+    assert (found["line"], found["step"], found["verdict"]) == (2, -1, "error")
+    assert found["message"].startswith("this is not XML: ")
+    assert run("check", "scan.mlx", "--lenient", "--json", "r.json").exit_code == 1
+    assert run("check", "none.mlx", "--json", "none.json").exit_code == 1
+    assert not (tmp_path / "none.json").exists()
+
+
+def test_what_leaves_the_xml_readable_hides_no_other_finding(run, script, cloud):
+    twice = EXTRA.replace("sise", "size").replace("</filter>", "") + "\n"
+    twice += '<Param type="RichFloat" name="Size" value="3"/></filter>'
+    name = script(UNKNOWN, '<filter name=""/>', twice, EMPTIES)
+    result = run("check", name)
+    assert result.exit_code == 1
+    assert result.stdout.splitlines()[1:] == [
+        'scan.mlx:3: error: this <filter> has no name; write name="..."',
+        "scan.mlx:5: error: parameter 'Size' is given twice, with different values; keep one",
+        "4 steps, 3 errors: it cannot run",
+    ]
+    assert "4 steps, 2 skipped, 1 ignored" in run("check", name, "--lenient").stdout
+    done = run("run", name, cloud, "-o", "out.ply", "--lenient")
+    assert done.exit_code == 0, done.stderr
 
 
 def test_inputs_stay_as_they_are_and_are_not_overwritten(run, script, cloud):

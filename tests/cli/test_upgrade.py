@@ -220,3 +220,24 @@ def test_a_script_through_a_pipe(shell):
     done = shell("upgrade", "/dev/stdin", input=text)
     assert done.returncode == 0, done.stderr
     assert '<filter name="Close Holes" />' in done.stdout
+
+
+def test_an_upgraded_change_of_layer_passes_a_strict_run(run, old, ball, tmp_path):
+    path, new = old("change", "good"), tmp_path / "new.mlx"
+    assert run("upgrade", path, new).exit_code == 0
+    assert "<!-- line 3: the current layer changes, by position -->" in new.read_text()
+    checked = run("check", new, ball, "--strict")
+    assert checked.exit_code == 0
+    assert f"{new}:4: note: the current layer changes, by position" in checked.stdout
+    done = run("run", new, ball, "-o", tmp_path / "out.ply", "--strict")
+    assert done.exit_code == 0, done.stderr
+    assert run("run", path, ball, "-o", tmp_path / "out.ply", "--strict").exit_code == 1
+
+
+def test_of_a_script_without_steps_an_empty_one_is_left(run, old, tmp_path):
+    path, new = old(), tmp_path / "new.mlx"
+    for options in (("--native-only",), ("--native-only", "--to-python"), ()):
+        result = run("upgrade", path, new, *options)
+        assert result.exit_code == 0, result.stderr
+        assert ("pass" in new.read_text()) is ("--to-python" in options)
+    assert new.read_bytes() == path.read_bytes()

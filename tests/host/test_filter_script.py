@@ -9,6 +9,7 @@ import pytest
 import meshlab_symrecon
 from meshlab_symrecon.errors import ParameterError, ScriptError, UnknownFilterError
 from meshlab_symrecon.host.filter_script import FilterScript
+from meshlab_symrecon.host.mlx import Param, Step
 from meshlab_symrecon.host.native_filters import native_filters
 from meshlab_symrecon.host.written_steps import written_step
 
@@ -121,3 +122,82 @@ def test_every_native_step_is_read_back_to_the_last_bit(tmp_path, item):
     FilterScript((step,)).write(tmp_path / "one.mlx")
     again = FilterScript.read(tmp_path / "one.mlx")
     assert again.steps == (step,)
+
+
+def test_a_value_that_was_given_twice_is_given_once_when_it_is_changed():
+    twice = tuple(Param("MaxHoleSize", 0, "RichInt", text) for text in ("3", "4"))
+    script = FilterScript((Step("Close Holes", 0, (*twice, Param("Selected", 0, "", "true"))),))
+    assert ["given twice" in str(found) for found in script.check()] == [True]
+    changed = script.with_values(0, maxholesize=5)
+    assert [param.text for param in changed[0].parameters] == ["5", "true"]
+    assert changed.check() == ()
+    assert script.with_values(0, selected=False)[0].parameters[:2] == twice
+
+
+COMMENTED = """<!-- by hand -->
+<FilterScript>
+ <filter name="Close Holes"/>
+ <!-- small ones -->
+ <filter name="Taubin Smooth"><!-- twice --></filter>
+ <filter name="Compact faces"/>
+ <!-- the end -->
+</FilterScript>
+"""
+
+
+@pytest.fixture
+def commented(tmp_path):
+    path = tmp_path / "commented.mlx"
+    path.write_text(COMMENTED)
+    return FilterScript.read(path)
+
+
+def placed(script, path):
+    """Return the comments above each step, and after the last, as they are written and read."""
+    script.write(path)
+    again = FilterScript.read(path)
+    assert again.steps == script.steps
+    return [[text.strip() for text in again.comments.get(n, ())] for n in range(len(again) + 1)]
+
+
+def test_comments_stay_with_their_steps(commented, tmp_path):
+    path = tmp_path / "out.mlx"
+    assert placed(commented, path) == [["by hand"], ["small ones", "twice"], [], ["the end"]]
+    first = path.read_bytes()
+    placed(FilterScript.read(path), path)
+    assert path.read_bytes() == first
+    name = "Invert Selection"
+    assert placed(commented.with_values(1, stepsmoothnum=3), path) == placed(commented, path)
+    for position, wanted in {
+        0: [[], ["by hand"], ["small ones", "twice"], [], ["the end"]],
+        1: [["by hand"], [], ["small ones", "twice"], [], ["the end"]],
+        2: [["by hand"], ["small ones", "twice"], [], [], ["the end"]],
+        None: [["by hand"], ["small ones", "twice"], [], ["the end"], []],
+    }.items():
+        assert placed(commented.with_step(name, at=position), path) == wanted
+    for position, wanted in {
+        0: [["by hand", "small ones", "twice"], [], ["the end"]],
+        1: [["by hand"], [], ["the end"]],
+        -1: [["by hand"], ["small ones", "twice"], ["the end"]],
+    }.items():
+        assert placed(commented.without_step(position), path) == wanted
+    inserted = commented.with_step(name, at=1).without_step(1)
+    assert placed(inserted, path) == placed(commented, path)
+    assert placed(commented, path)[0] == ["by hand"]  # as it was
+
+
+def test_comments_are_no_part_of_the_comparison_and_are_explained(commented):
+    bare = FilterScript(commented.steps, commented.path)
+    assert bare == commented
+    assert hash(bare) == hash(commented)
+    assert "Its comment: small ones" in commented.explained()
+    assert "Its comment" not in bare.explained()
+
+
+def test_an_upgraded_script_keeps_its_comments_and_says_what_changed(commented, tmp_path):
+    path = tmp_path / "new.mlx"
+    new = commented.upgraded()
+    left_out = "line 6: 'Compact faces' left out: MeshLab does this by itself today"
+    assert placed(new, path) == [["by hand"], ["small ones", "twice"], [left_out, "the end"]]
+    assert placed(new.upgraded(), path) == placed(new, path)
+    assert placed(commented.native_only(), path)[0][0] == "by hand"

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pymeshlab
 import pytest
 
 from meshlab_symrecon.errors import SymReconError, SymReconWarning
-from meshlab_symrecon.host.checking import check_document
+from meshlab_symrecon.host.checking import check_document, check_script
 from meshlab_symrecon.host.document_state import UNKNOWN_LAYER, DocumentState, LayerState
-from meshlab_symrecon.host.findings import ERROR
-from meshlab_symrecon.host.mlx import Step
+from meshlab_symrecon.host.findings import ERROR, NOTE
+from meshlab_symrecon.host.mlx import Param, Script, Step
 from meshlab_symrecon.host.native_filters import apply_native, find_native, native_filters
 from meshlab_symrecon.host.prediction import after
-from meshlab_symrecon.host.resolution import ResolvedStep
+from meshlab_symrecon.host.resolution import ResolvedStep, matched
+from meshlab_symrecon.host.script import run_steps
 
 # Filters that take long, talk to a server, write files, or crash now and then whatever they get.
 LEFT_OUT = (
@@ -219,3 +221,25 @@ def test_no_normals_are_only_certain_without_faces():
     facts["faces"] = False
     state = DocumentState((LayerState(facts),), current=0)
     assert after(state, resolved("set_selection_none")).current_layer.has("normals") is False
+
+
+@pytest.mark.parametrize("make", DOCUMENTS)
+@pytest.mark.parametrize("strict", ["true", "false"])
+def test_what_runs_after_a_step_is_foreseen_too(make, strict):
+    """An old selection of vertices selected faces, of which a cloud has none."""
+    step = Step("Conditional Vertex Selection", 1, (
+        Param("condSelect", 1, "RichString", "(x > 0.3)"),
+        Param("strictSelect", 1, "RichBool", strict),
+    ))  # fmt: skip
+    script = Script(Path("old.mlx"), (step,))
+    mesh_set = make()
+    mesh_set.set_selection_none()
+    before = DocumentState.of(mesh_set)
+    assert [found.severity for found in check_script(script, before)] == [NOTE]
+    (known,) = matched(script).steps
+    predicted = after(before, known)
+    run_steps(mesh_set, script)
+    assert_foreseen(predicted, DocumentState.of(mesh_set))
+    with_faces = before.current_layer.has("faces")
+    assert bool(mesh_set.current_mesh().selected_face_number()) is with_faces
+    assert not with_faces or predicted.current_layer.has("face_selection") is None

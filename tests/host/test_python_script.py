@@ -204,3 +204,23 @@ def test_names_cannot_leave_their_comment():
     assert "import os" in text
     assert all(line.lstrip().startswith("#") for line in text.splitlines() if "import os" in line)
     compile(text, "generated", "exec")
+
+
+@pytest.mark.parametrize("faces", [True, False])
+def test_what_an_old_parameter_selected_is_selected_where_there_are_faces(faces):
+    step = Step("Conditional Vertex Selection", 0, (
+        Param("condSelect", 0, "RichString", "(z > 0.1)"),
+        Param("strictSelect", 0, "RichBool", "true"),
+    ))  # fmt: skip
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    if faces:
+        mesh_set.create_sphere(subdiv=2)
+    else:
+        mesh_set.create_sphere_points(pointnum=60)
+    names = {"__name__": "generated"}
+    exec(compile(FilterScript((step,)).to_python(), "made.py", "exec"), names)
+    names["apply_script"](mesh_set)
+    mesh = mesh_set.current_mesh()
+    assert mesh.selected_vertex_number() == np.count_nonzero(mesh.vertex_matrix()[:, 2] > 0.1) > 0
+    above = (mesh.vertex_matrix()[:, 2] > 0.1)[mesh.face_matrix()].all(axis=1) if faces else []
+    assert mesh.selected_face_number() == np.count_nonzero(above)

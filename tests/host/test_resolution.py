@@ -9,7 +9,8 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from meshlab_symrecon.host.findings import ERROR, NOTE
+from meshlab_symrecon.errors import ScriptError
+from meshlab_symrecon.host.findings import ERROR, IGNORE, NOTE, SKIP
 from meshlab_symrecon.host.mlx import Param, Script, Step, read_script, write_script
 from meshlab_symrecon.host.native_filters import find_native, native_filters
 from meshlab_symrecon.host.native_values import checked_value
@@ -465,3 +466,43 @@ def test_notes_are_in_the_order_of_the_lines(tmp_path):
     )
     findings = matched(read_script(path)).findings
     assert [(finding.line, finding.severity) for finding in findings] == [(2, NOTE), (5, NOTE)]
+
+
+UNSOUND = """<FilterScript>
+<filter name="Remove Duplicated Vertex"/>
+<filter/>
+<xmlfilter name=" "><xmlparam value="1"/></xmlfilter>
+<filter name="Close Holes"><Param type="RichInt" name="MaxHoleSize" value="30"/>
+<Param type="RichBool" name="Selected" value="TRUE "/>
+<Param type="RichBool" name="selected" value="true"/>
+<Param type="RichInt" name="maxholesize " value="40"/>
+<Param type="RichInt" value="40"/></filter>
+<filter name="Grow Points"><Param name="factor" value="3"/>
+<Param name="Factor" value="4"/></filter>
+<filter name="Close Hole"/>
+</FilterScript>"""
+
+
+def test_what_has_no_name_or_two_values_is_found_beside_everything_else(tmp_path, installed):
+    path = tmp_path / "old.mlx"
+    path.write_text(UNSOUND)
+    matching = matched(read_script(path))
+    told = [(found.line, found.step, found.severity, found.remedy) for found in matching.findings]
+    assert told == [
+        (2, 0, NOTE, ""), (3, 1, ERROR, SKIP), (4, 2, ERROR, IGNORE), (4, 2, ERROR, SKIP),
+        (8, 3, ERROR, IGNORE), (9, 3, ERROR, IGNORE), (11, 4, ERROR, IGNORE), (12, 5, ERROR, SKIP),
+    ]  # fmt: skip
+    words = [found.message for found in matching.findings[1:-1]]
+    assert words == [
+        'this <filter> has no name; write name="..."',
+        'this parameter has no name; write name="..."',
+        'this <xmlfilter> has no name; write name="..."',
+        "parameter 'maxholesize ' is given twice, with different values; keep one",
+        'this parameter has no name; write name="..."',
+        "parameter 'Factor' is given twice, with different values; keep one",
+    ]
+    holes, grown = matching.steps[3:5]
+    assert holes.values == {"maxholesize": 30, "selected": True}  # the first of the two
+    assert grown.values == {"factor": 3.0}
+    with pytest.raises(ScriptError, match=f"{path}:3: this <filter> has no name"):
+        resolve_script(read_script(path))

@@ -270,7 +270,7 @@ def test_an_old_mixed_script_is_loaded_and_run(plugins, tmp_path):
     ]  # fmt: skip
     report = mesh_set.apply_filter_script()
     assert [(step.line, step.status) for step in report.steps] == [
-        (2, "mapped"), (6, "mapped"), (7, "ran"), (8, "mapped"), (10, "mapped"),
+        (2, "mapped"), (6, "mapped"), (7, "ran"), (8, "mapped"), (10, "ran"),
     ]  # fmt: skip
     by_hand.compute_matrix_from_scaling_or_normalization(
         axisx=0.12345678901234567, uniformflag=True
@@ -431,3 +431,29 @@ def test_notes_die_with_their_mesh_set(plugins):
     gc.collect()
     assert gone() is None
     assert len(exact_steps._kept) == kept - 1
+
+
+@pytest.mark.filterwarnings("ignore::meshlab_symrecon.errors.SymReconWarning")
+@pytest.mark.parametrize("strict", ["true", "false"])
+def test_a_step_that_two_filters_do_today_is_two_in_the_history(plugins, tmp_path, strict):
+    (tmp_path / "old.mlx").write_text(
+        "<FilterScript><filter name='Conditional Vertex Selection'>"
+        "<Param type='RichString' name='condSelect' value='(z &gt; 0.123456789)'/>"
+        f"<Param type='RichBool' name='strictSelect' value='{strict}'/></filter>"
+        "<filter name='Delete Selected Faces'/></FilterScript>"
+    )
+    by_runner, by_history, again = sphere(), sphere(), sphere()
+    script = FilterScript.read(tmp_path / "old.mlx")
+    script.run(by_runner)
+    by_history.load_filter_script(tmp_path / "old.mlx")
+    names = ["Conditional Vertex Selection", "Select Faces from Vertices", "Delete Selected Faces"]
+    for mesh_set in (by_runner, by_history):
+        assert [step.menu_name for step in read_history(mesh_set)] == names
+        assert [step.name for step in recorded_script(mesh_set).steps] == names
+    by_history.save_filter_script(tmp_path / "new.mlx")
+    by_history.apply_filter_script()
+    assert 0 < by_history.current_mesh().face_number() < sphere().current_mesh().face_number()
+    assert_same_bits(by_runner, by_history)
+    FilterScript.read(tmp_path / "new.mlx").run(again, strict=True)
+    assert_same_bits(by_runner, again)
+    assert FilterScript.read(tmp_path / "new.mlx").steps == script.upgraded().steps

@@ -222,12 +222,19 @@ def test_steps_of_plugins_are_left_out_of_native_scripts(script, installed):
 
 
 @pytest.mark.parametrize("leave_out", [for_the_window, without_plugins])
-@pytest.mark.parametrize("steps", [(), ('<filter name="Grow Points"/>',),
-                                   ('<filter name="Compact faces"/>',)])  # fmt: skip
-def test_a_script_of_which_nothing_is_left(script, installed, leave_out, steps):
-    ours = script(*steps)
+@pytest.mark.parametrize("step", ['<filter name="Grow Points"/>', '<filter name="Compact faces"/>'])
+def test_a_script_of_which_nothing_is_left(script, installed, leave_out, step):
+    ours = script(step)
     with pytest.raises(ScriptError, match=r"old.mlx:1: no step that can run is a filt"):
         leave_out(ours, matched(ours))
+
+
+@pytest.mark.parametrize("leave_out", [for_the_window, without_plugins])
+def test_of_a_script_without_steps_nothing_is_left_out(script, leave_out):
+    empty = script()
+    assert leave_out(empty, matched(empty)).steps == ()
+    assert upgraded(empty, leave_out(empty, matched(empty))).unchanged
+    assert FilterScript().native_only().steps == ()
 
 
 def test_the_layer_that_a_deletion_would_meet_in_the_window(script):
@@ -300,3 +307,61 @@ def test_a_matrix_keeps_every_digit(script):
     ).steps
     written = [float(step.parameters[0].attributes[f"val{place}"]) for place in range(16)]
     assert written == numbers.tolist()
+
+
+STRICT = """<filter name="Conditional Vertex Selection"><!-- mine -->
+<Param type="RichString" name="condSelect" value="(z &gt; 0)"/>
+<Param type="RichBool" name="strictSelect" value="{}"/></filter>"""
+
+
+@pytest.mark.parametrize("word", ["true", "false"])
+def test_what_an_old_parameter_did_is_a_step_of_its_own(script, word):
+    old = script(STRICT.format(word), '<filter name="Delete Selected Faces"/>')
+    for matching in (checked(old), checked_for_the_window(old)):
+        new = upgraded(old, matching)
+        first, second, last = new.steps
+        assert [param.name for param in first.parameters] == ["condSelect"]
+        assert second == Step(
+            "Select Faces from Vertices", 0, (Param("Inclusive", 0, "RichBool", word),)
+        )
+        assert last.name == "Delete Selected Faces"
+        assert new.comments[0][0] == " mine "
+        assert new.comments[1] == (
+            " line 2: 'Conditional Vertex Selection' did this by itself; leave 'Select Faces from "
+            "Vertices' out for clouds ",
+        )
+        assert 2 not in new.comments
+    text = explained(old, matched(old))
+    assert "Then, on a layer with faces, runs: Select Faces from Vertices" in text
+    assert f"- Inclusive = {'yes' if word == 'true' else 'no'}" in text
+
+
+def test_what_an_old_parameter_did_is_no_step_when_its_value_is_none(script):
+    old = script(STRICT.format("maybe"))
+    with pytest.raises(ScriptError, match="must be true or false; got 'maybe'"):
+        checked(old)
+    assert [step.name for step in today(old, lenient=True).steps] == [
+        "Conditional Vertex Selection"
+    ]
+
+
+def test_a_step_made_in_memory_is_followed_without_a_line():
+    step = Step("Conditional Vertex Selection", 0, (
+        Param("condSelect", 0, "RichString", "(x > 0)"),
+        Param("strictSelect", 0, "RichBool", "true"),
+    ))  # fmt: skip
+    new = today(FilterScript((step,))._script)
+    assert new.comments[1][0].startswith(" 'Conditional Vertex Selection' did this by itself; ")
+
+
+def test_a_step_without_a_name_is_left_out_and_explained(script):
+    wrong = script("<filter/>", '<filter name="Close Holes"/>')
+    text = text_of(wrong, lenient=True)
+    assert "<!-- line 2: this step was left out: this <filter> has no name; " in text
+    assert text.count('<filter name="') == 1
+    assert "1. A step without a name (line 2)\n   Does not run.\n   MISTAKE: this <f" in explained(
+        wrong, matched(wrong)
+    )
+    assert "this step was left out: this <filter>" in python_script(
+        wrong, checked(wrong, lenient=True)
+    )

@@ -30,6 +30,8 @@ class Case:
         Position of the layer that is current at the end.
     mapped : mapping of int to tuple of str
         The steps that are reported as mapped, by their line, and their notes; all others just run.
+    remarked : mapping of int to tuple of str
+        The same of steps that run as they are written, with a remark.
     measures : mapping of int to mapping of str to value
         Some of what the step of a line returns.
     refused : mapping of int to str
@@ -45,6 +47,7 @@ class Case:
     layers: tuple[tuple[str, int | None, int | None], ...] = ()
     current: int = -1
     mapped: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
+    remarked: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
     measures: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     refused: Mapping[int, str] = field(default_factory=dict)
     untouched: bool = True
@@ -217,7 +220,7 @@ RUNS = {
         "set_current_mesh get_scalar_statistics_per_vertex",
         layers=(("Sphere", 642, 1280), ("Box/Cube", 8, 12)),
         current=0,
-        mapped={20: ("the current layer changes, by position",)},
+        remarked={20: ("the current layer changes, by position",)},
         measures={3: {"max": 1.0, "n_samples": 642}, 23: {"max": 1.0}},
     ),
     "crease_lines": Case(
@@ -353,7 +356,7 @@ RUNS = {
         "cloud",
         "generate_convex_hull get_geometric_measures set_current_mesh generate_alpha_shape",
         layers=(("cloud", 800, 0), ("Convex Hull", 800, 1596), ("Alpha Shapes", 800, 2097)),
-        mapped={5: ("the current layer changes, by position",)},
+        remarked={5: ("the current layer changes, by position",)},
         measures={4: {"mesh_volume": near(8 * math.pi, 0.5)}},
     ),
     "implicit_solid": Case(
@@ -372,7 +375,7 @@ RUNS = {
         "set_current_mesh set_mesh_name",
         layers=(("the one that stayed", 8, 12), ("Box/Cube_copy", 8, 12)),
         current=0,
-        mapped={
+        remarked={
             3: ("the current layer changes, by position",),
             9: ("the current layer changes, by position",),
         },
@@ -412,7 +415,7 @@ RUNS = {
         "set_current_mesh compute_coord_linear_morphing",
         layers=(("Sphere", 2562, 5120), ("Sphere_copy", 2562, 5120)),
         current=0,
-        mapped={3: ("the current layer changes, by position",)},
+        remarked={3: ("the current layer changes, by position",)},
     ),
     "move_to_origin_2013": Case(
         "ball",
@@ -462,9 +465,9 @@ RUNS = {
                 "is 'Surface Reconstruction: Screened Poisson' today",
                 "the layer that it makes becomes current",
             ),
-            18: ("the current layer changes, by position",),
             21: ("is 'Simplification: Quadric Edge Collapse Decimation' today",),
         },
+        remarked={18: ("the current layer changes, by position",)},
     ),
     "poisson_2009": Case(
         "cloud",
@@ -599,7 +602,7 @@ RUNS = {
             ("Montecarlo Samples", 300, 0),
             ("Subdiv Samples", 2000, 0),
         ),
-        mapped={
+        remarked={
             7: ("the current layer changes, by position",),
             15: ("the current layer changes, by position",),
         },
@@ -613,7 +616,7 @@ RUNS = {
         "ball",
         "generate_sampling_clustered_vertex set_current_mesh generate_sampling_regular_recursive",
         layers=(("Sphere", 642, 1280), ("Cluster samples", 152, 0), ("Recursive Samples", 520, 0)),
-        mapped={8: ("the current layer changes, by position",)},
+        remarked={8: ("the current layer changes, by position",)},
     ),
     "scale_2013": Case(
         "two_solids",
