@@ -133,6 +133,34 @@ def test_the_layer_that_needs_faces_may_be_another_one(cloud_set):
         apply_native(cloud_set, "Voronoi Vertex Coloring", {"coloredmesh": 0, "vertexmesh": 1})
 
 
+def test_a_mesh_may_be_coloured_by_default_while_a_cloud_is_current(cloud_set):
+    cloud_set.create_sphere()
+    cloud_set.set_current_mesh(0)
+    apply_native(cloud_set, "Voronoi Vertex Coloring", {})
+    assert cloud_set.mesh(0).vertex_number() == 40
+
+
+def test_a_wireframe_is_made_of_a_polyline():
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_cube()
+    mesh_set.generate_polyline_from_planar_section()
+    assert (mesh_set.current_mesh().face_number(), mesh_set.current_mesh().edge_number()) == (0, 8)
+    apply_native(mesh_set, "Create Solid Wireframe", {})
+    assert list(mesh_set)[-1].face_number() > 0
+
+
+def test_the_layers_that_need_points_are_those_that_are_named(cloud_set, points):
+    cloud_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points))
+    cloud_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points), "void")
+    cloud_set.set_selection_all()
+    cloud_set.meshing_remove_selected_vertices()
+    roles = {"sourcemesh": 0, "targetmesh": 1}
+    apply_native(cloud_set, "transfer_attributes_per_vertex", roles)
+    cloud_set.set_current_mesh(0)
+    with pytest.raises(GeometryError, match="needs points; layer 'void' has none"):
+        apply_native(cloud_set, "transfer_attributes_per_vertex", {**roles, "sourcemesh": 2})
+
+
 @pytest.mark.parametrize("name", sorted(EMPTY_CLOUDS))
 def test_a_cleaning_step_that_would_delete_a_cloud_is_skipped(cloud_set, points, name):
     menu = find_native(name).menu_name
