@@ -67,7 +67,8 @@ def believed(name: str, fates: Fates | None) -> Fates | None:
         return None
     found = {}
     for fact in {*fates, *SELECTIONS}:
-        without, held = fates.get(fact, STAYS)
+        fate = fates.get(fact, STAYS)
+        without, held = fate[0], fate[1]
         if held == "n" and fact not in LOSE.get(name, ()):
             held = "?"
         if fact in STRUCTURE and without == "y":
