@@ -13,7 +13,7 @@ from meshlab_symrecon.errors import GeometryError, HostError, ParameterError, Sy
 from meshlab_symrecon.host.guards import EMPTY_CLOUDS, NEED_TWO_LAYERS
 from meshlab_symrecon.host.native_filters import apply_native, find_native, native_filters
 from meshlab_symrecon.host.shape_guards import FATAL_WITH_NAN
-from meshlab_symrecon.host.value_limits import ABOVE_ZERO, LEAST, MOST
+from meshlab_symrecon.host.value_limits import ABOVE_ZERO, LEAST, MOST, NOT_ZERO
 
 DRAW = [name for name, item in native_filters().items() if item.display]
 
@@ -235,6 +235,8 @@ def test_a_value_that_aborts_is_refused(cloud_set):
 def too_low():
     for name, parameters in ABOVE_ZERO.items():
         yield from ((name, parameter, 0.0, "above 0") for parameter in parameters)
+    for name, parameters in NOT_ZERO.items():
+        yield from ((name, parameter, 0, "other than 0") for parameter in parameters)
     for name, least in LEAST.items():
         for parameter, low in least.items():
             yield name, parameter, low - 1, f"at least {low}"
@@ -246,7 +248,9 @@ def too_low():
 @pytest.mark.parametrize(("name", "parameter", "value", "wanted"), list(too_low()))
 def test_values_that_crash_or_never_end_are_refused(cloud_set, name, parameter, value, wanted):
     find_native(name).find(parameter)
-    with pytest.raises(ParameterError, match=f"'{parameter}' of .* must be {wanted}, or MeshLab"):
+    with pytest.raises(
+        ParameterError, match=f"'{parameter}' of .* must be {wanted}, or MeshLab may"
+    ):
         apply_native(cloud_set, name, {parameter: value})
 
 
@@ -258,6 +262,28 @@ def test_values_at_the_limits_run(cloud_set):
         {"targetlen": pymeshlab.PercentageValue(50.0), "iterations": 1},
     )  # fmt: skip
     assert cloud_set.mesh_number() == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("generate_marching_cubes_apss", {"resolution": 0}),
+        ("generate_marching_cubes_rimls", {"resolution": 0}),
+        ("meshing_surface_subdivision_doo_sabin", {"iterations": 0}),
+        ("generate_sampling_volumetric", {"samplesurfradius": pymeshlab.PureValue(-1.0)}),
+        ("meshing_isotropic_explicit_remeshing", {"targetlen": pymeshlab.PureValue(-1.0)}),
+    ],
+)
+def test_odd_values_that_meshlab_runs_are_not_refused(name, values):
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_cube()
+    apply_native(mesh_set, name, values)
+
+
+def test_no_samples_align_nothing(cloud_set):
+    cloud_set.create_sphere(subdiv=1)
+    cloud_set.create_sphere(subdiv=1)
+    apply_native(cloud_set, "compute_matrix_by_mesh_global_alignment", {"samplenum": 0})
 
 
 @pytest.mark.parametrize("name", sorted(FATAL_WITH_NAN))
