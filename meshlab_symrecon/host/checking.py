@@ -19,6 +19,7 @@ from meshlab_symrecon.host.guards import (
     NEED_TWO_LAYERS,
     POISSON,
     WANT_CURRENT,
+    WANT_POINTS,
     WORK_ON_EDGES,
     check_sound,
     empties_clouds,
@@ -185,7 +186,8 @@ def _native_problems(
     if state.is_empty and "empty" in item.fatal:
         yield _missing(item.menu_name, "layer", state)
     layer = state.current_layer
-    if layer.has("points") is False and "void" in item.fatal and not _names_layers(item):
+    void = layer.has("points") is False and item.python_name not in WANT_POINTS
+    if void and "void" in item.fatal:
         yield _missing(item.menu_name, "points", state)
     by_edges = item.python_name in WORK_ON_EDGES and layer.has("edges") is not False
     if layer.has("faces") is False and _crashes_on_clouds(item) and not by_edges:
@@ -205,10 +207,6 @@ def _native_problems(
         check_limits(item, resolved.values)
     except SymReconError as error:
         yield str(error)
-
-
-def _names_layers(item: NativeFilter) -> bool:
-    return any(known.rich_type == "RichMesh" for known in item.parameters)
 
 
 def _would_empty(resolved: ResolvedStep, state: DocumentState) -> bool:

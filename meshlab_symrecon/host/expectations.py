@@ -37,6 +37,9 @@ OF_NAMED_LAYERS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "apply_coord_craters_from_point_cloud": {"target_mesh": ("faces",)},
     "apply_coord_point_cloud_movement_over_mesh": {"target_mesh": ("faces",)},
     "compute_color_by_point_cloud_voronoi_projection": {"coloredmesh": ("faces",)},
+    "compute_mls_projection_apss": {"controlmesh": ("points",)},
+    "compute_mls_projection_rimls": {"controlmesh": ("points",)},
+    "transfer_attributes_per_vertex": {"sourcemesh": ("points",)},
     "transfer_attributes_to_texture_per_vertex": {"targetmesh": ("faces", "wedge_texture")},
     "transfer_texture_to_color_per_vertex": {"sourcemesh": ("faces", "wedge_texture", "textures")},
 }

@@ -45,6 +45,13 @@ WANT_CURRENT = {
     "compute_mls_projection_apss": "controlmesh",
     "compute_mls_projection_rimls": "controlmesh",
 }
+# Filters that crash when the layer that this parameter names has no points; the current may have
+# none.
+WANT_POINTS = {
+    "compute_mls_projection_apss": "controlmesh",
+    "compute_mls_projection_rimls": "controlmesh",
+    "transfer_attributes_per_vertex": "sourcemesh",
+}
 ALWAYS_ABORTS = frozenset({"create_mesh_by_grammar"})  # whatever the grammar
 # Filters that clean meshes, common in scripts, and delete every point of a cloud.
 EMPTY_CLOUDS = frozenset(
@@ -207,15 +214,16 @@ def check_vertices(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any])
     """
     if "void" not in item.fatal:
         return
-    used = _layers_used(mesh_set, item, values).values()
-    for number in sorted(set(used)) or [current_identifier(mesh_set)]:
-        mesh = mesh_set.mesh(number)
-        if mesh.vertex_number() == 0:
-            message = (
-                f"'{item.menu_name}' needs points; layer '{mesh.label()}' has none; look at what "
-                "the steps before it deleted"
-            )
-            raise GeometryError(message)
+    number = current_identifier(mesh_set)
+    if item.python_name in WANT_POINTS:
+        number = _layers_used(mesh_set, item, values)[WANT_POINTS[item.python_name]]
+    mesh = mesh_set.mesh(number)
+    if mesh.vertex_number() == 0:
+        message = (
+            f"'{item.menu_name}' needs points; layer '{mesh.label()}' has none; look at what the "
+            "steps before it deleted"
+        )
+        raise GeometryError(message)
 
 
 def check_faces(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:

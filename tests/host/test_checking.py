@@ -226,6 +226,8 @@ def test_a_layer_that_is_not_named_may_be_without_points(check):
     steps = [("Vertex Attribute Transfer", param("SourceMesh", 1, "RichMesh"),
         param("TargetMesh", 2, "RichMesh"))]  # fmt: skip
     assert errors(check(on(void, MESH, MESH), *steps)) == []
+    ((_, message),) = errors(check(on(MESH, void, MESH), *steps))
+    assert "needs points in the layer that 'sourcemesh' names; layer 1 has none" in message
 
 
 # What hangs on numbers or on the shape is not certain, so the step behind it is not refused, and

@@ -150,15 +150,16 @@ def test_a_wireframe_is_made_of_a_polyline():
 
 
 def test_the_layers_that_need_points_are_those_that_are_named(cloud_set, points):
-    cloud_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points))
     cloud_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points), "void")
     cloud_set.set_selection_all()
     cloud_set.meshing_remove_selected_vertices()
     roles = {"sourcemesh": 0, "targetmesh": 1}
-    apply_native(cloud_set, "transfer_attributes_per_vertex", roles)
+    apply_native(cloud_set, "transfer_attributes_per_vertex", roles)  # the target may be void
     cloud_set.set_current_mesh(0)
     with pytest.raises(GeometryError, match="needs points; layer 'void' has none"):
-        apply_native(cloud_set, "transfer_attributes_per_vertex", {**roles, "sourcemesh": 2})
+        apply_native(
+            cloud_set, "transfer_attributes_per_vertex", {"sourcemesh": 1, "targetmesh": 0}
+        )
 
 
 @pytest.mark.parametrize("name", sorted(EMPTY_CLOUDS))
