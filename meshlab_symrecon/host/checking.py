@@ -19,6 +19,8 @@ from meshlab_symrecon.host.guards import (
     NEED_TWO_LAYERS,
     POISSON,
     WANT_CURRENT,
+    WANT_POINTS,
+    WORK_ON_EDGES,
     check_sound,
     empties_clouds,
 )
@@ -184,9 +186,11 @@ def _native_problems(
     if state.is_empty and "empty" in item.fatal:
         yield _missing(item.menu_name, "layer", state)
     layer = state.current_layer
-    if layer.has("points") is False and "void" in item.fatal:
+    void = layer.has("points") is False and item.python_name not in WANT_POINTS
+    if void and "void" in item.fatal:
         yield _missing(item.menu_name, "points", state)
-    if layer.has("faces") is False and _crashes_on_clouds(item):
+    by_edges = item.python_name in WORK_ON_EDGES and layer.has("edges") is not False
+    if layer.has("faces") is False and _crashes_on_clouds(item) and not by_edges:
         yield _missing(item.menu_name, "faces", state)
     if item.python_name == POISSON and layer.is_cloud and layer.has("normals") is False:
         yield _missing(item.menu_name, "normals", state)

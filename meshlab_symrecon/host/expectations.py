@@ -13,6 +13,8 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+from meshlab_symrecon.host.constant_defaults import constant_defaults
+from meshlab_symrecon.host.fates import believed, believed_of_made
 from meshlab_symrecon.host.native_filters import NativeFilter, native_filters
 from meshlab_symrecon.plugin import Filter
 
@@ -35,6 +37,9 @@ OF_NAMED_LAYERS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "apply_coord_craters_from_point_cloud": {"target_mesh": ("faces",)},
     "apply_coord_point_cloud_movement_over_mesh": {"target_mesh": ("faces",)},
     "compute_color_by_point_cloud_voronoi_projection": {"coloredmesh": ("faces",)},
+    "compute_mls_projection_apss": {"controlmesh": ("points",)},
+    "compute_mls_projection_rimls": {"controlmesh": ("points",)},
+    "transfer_attributes_per_vertex": {"sourcemesh": ("points",)},
     "transfer_attributes_to_texture_per_vertex": {"targetmesh": ("faces", "wedge_texture")},
     "transfer_texture_to_color_per_vertex": {"sourcemesh": ("faces", "wedge_texture", "textures")},
 }
@@ -43,15 +48,6 @@ MORE_NEEDS = {
     "compute_texcoord_parametrization_harmonic": "faces",
     "compute_texcoord_parametrization_least_squares_conformal_maps": "faces",
 }
-
-
-# What trials on sound shapes do not show: filters of these beginnings may select what is wrong with
-# a shape, or what they have closed.
-MAY_SELECT = ("generate_", "get_", "meshing_")
-DELETE_SELECTED = "meshing_remove_selected_"
-SELECTIONS = ("vertex_selection", "face_selection")
-# Layers that are empty or not by the shape of what they are made of.
-MADE_BY_SHAPE = {"generate_polyline_from_selected_edges": {"points": "??", "edges": "??"}}
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +111,10 @@ class Expectation:
     kept, others, made : mapping of str to str, or None
         Fates of facts: of the layer that was current, of those that were not, and of new layers,
         seen from the one that was current. What is absent stays, or is as there; None: all unknown.
+    choices : frozenset of str
+        Names of the parameters that are told apart in ``exceptions``, which were tried one by one.
+    python_name : str
+        Of MeshLab's filters, for their defaults.
     """
 
     needs: tuple[Need, ...] = ()
@@ -123,13 +123,26 @@ class Expectation:
     kept: Fates | None = None
     others: Fates | None = None
     made: Fates | None = None
+    choices: frozenset[str] = frozenset()
+    python_name: str = ""
 
     def way_with(self, values: Mapping[str, Any]) -> Way:
         """Return how the layers change with these values."""
-        ways = [way for given, way in self.exceptions if _given(given, values)]
-        if len(ways) > 1:  # each was tried alone
-            return UNKNOWN_WAY
-        return ways[0] if ways else self.way
+        found = [(given, way) for given, way in self.exceptions if _given(given, values)]
+        if not found:
+            return self.way
+        given, way = found[0]
+        if len(found) == 1 and not self._is_changed({*values} - {*given}, values):
+            return way
+        ways = (self.way, *(way for _, way in found))  # together, they may do anything of these
+        removed = {way.removed for way in ways}
+        return Way(most=None, removed=removed.pop() if len(removed) == 1 else "", current="")
+
+    def _is_changed(self, names: set[str], values: Mapping[str, Any]) -> bool:
+        """Say whether any of these choices is, or may be, another one than by default."""
+        chosen = names & self.choices
+        defaults = constant_defaults(self.python_name) if chosen else {}
+        return any(name not in defaults or defaults[name] != values[name] for name in chosen)
 
 
 def _given(wanted: Mapping[str, Any], values: Mapping[str, Any]) -> bool:
@@ -181,19 +194,19 @@ def _read(item: NativeFilter, facts: Mapping[str, Any]) -> Expectation:
         for need in [*seen["needs"], *([] if more is None else [{"fact": more}])]
     )
     way, exceptions = HAND_MADE.get(item.python_name) or _read_ways(item, seen["layers"])
-    made = seen["made"]
-    if made is not None:
-        made = {**made, **MADE_BY_SHAPE.get(item.python_name, {})}
-    return Expectation(needs, way, exceptions, _kept(item, seen["kept"]), seen["others"], made)
-
-
-def _kept(item: NativeFilter, fates: Fates | None) -> Fates | None:
-    """Return fates of the current layer, with what depends on its shape unknown."""
     name = item.python_name
-    if fates is None or not name.startswith(MAY_SELECT) or name.startswith(DELETE_SELECTED):
-        return fates
-    known = {fact: fates.get(fact, "ny") for fact in SELECTIONS}
-    return {**fates, **{fact: "?" + fate[1].replace("n", "?") for fact, fate in known.items()}}
+    return Expectation(
+        needs,
+        way,
+        exceptions,
+        kept=believed(name, seen["kept"]),
+        others=believed(name, seen["others"]),
+        made=believed_of_made(name, seen["made"]),
+        choices=frozenset(
+            known.name for known in item.parameters if known.rich_type in ("RichBool", "RichEnum")
+        ),
+        python_name=name,
+    )
 
 
 def _read_ways(

@@ -45,6 +45,13 @@ WANT_CURRENT = {
     "compute_mls_projection_apss": "controlmesh",
     "compute_mls_projection_rimls": "controlmesh",
 }
+# Filters that crash when the layer that this parameter names has no points; the current may have
+# none.
+WANT_POINTS = {
+    "compute_mls_projection_apss": "controlmesh",
+    "compute_mls_projection_rimls": "controlmesh",
+    "transfer_attributes_per_vertex": "sourcemesh",
+}
 ALWAYS_ABORTS = frozenset({"create_mesh_by_grammar"})  # whatever the grammar
 # Filters that clean meshes, common in scripts, and delete every point of a cloud.
 EMPTY_CLOUDS = frozenset(
@@ -72,6 +79,8 @@ EMPTY_CLOUDS_TOO = {
     "generate_solid_wireframe": "",
     "get_scalar_statistics_per_face": "",
 }
+# Of those that need faces, the ones that run on polylines, too.
+WORK_ON_EDGES = frozenset({"generate_solid_wireframe"})
 
 
 def check_step(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
@@ -88,7 +97,7 @@ def check_step(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> 
     check_document(mesh_set, item)
     check_layers(mesh_set, item, values)
     if current_identifier(mesh_set) >= 0:
-        check_vertices(mesh_set, item)
+        check_vertices(mesh_set, item, values)
         check_distinct(mesh_set, item, values)
         check_faces(mesh_set, item, values)
         check_finite(mesh_set, item, values)
@@ -196,15 +205,20 @@ def _layers_used(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -
     return {name: defaults[name] for name in names} | given
 
 
-def check_vertices(mesh_set: Any, item: NativeFilter) -> None:
-    """Refuse a filter that crashes on a layer without vertices.
+def check_vertices(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
+    """Refuse a filter that crashes on a layer without vertices: one that it names, if it does.
 
     Raises
     ------
     GeometryError
     """
-    mesh = mesh_set.current_mesh()
-    if "void" in item.fatal and mesh.vertex_number() == 0:
+    if "void" not in item.fatal:
+        return
+    number = current_identifier(mesh_set)
+    if item.python_name in WANT_POINTS:
+        number = _layers_used(mesh_set, item, values)[WANT_POINTS[item.python_name]]
+    mesh = mesh_set.mesh(number)
+    if mesh.vertex_number() == 0:
         message = (
             f"'{item.menu_name}' needs points; layer '{mesh.label()}' has none; look at what the "
             "steps before it deleted"
@@ -223,7 +237,10 @@ def check_faces(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) ->
     if not fatal and item.python_name not in EMPTY_CLOUDS_TOO:
         return
     parameter = EMPTY_CLOUDS_TOO.get(item.python_name, "")
-    mesh = mesh_set.mesh(values.get(parameter, current_identifier(mesh_set)))
+    used = _layers_used(mesh_set, item, values)
+    mesh = mesh_set.mesh(used.get(parameter, current_identifier(mesh_set)))
+    if mesh.edge_number() > 0 and item.python_name in WORK_ON_EDGES:
+        return
     if mesh.face_number() == 0:
         message = (
             f"'{item.menu_name}' needs faces; layer '{mesh.label()}' is a cloud; reconstruct a "

@@ -98,7 +98,7 @@ def test_an_old_repair_that_splits_vertices_deletes_a_cloud(check):
         ("Convert PerWedge UV into PerVertex UV", {"wedge_texture": False}, "wedges"),
         ("Convert PerVertex UV into PerWedge UV", {"vertex_texture": False}, "vertices"),
         ("Transfer Color: Face to Vertex", {"face_colour": False}, "face colours"),
-        ("Create Solid Wireframe", {"faces": False}, "faces"),
+        ("Create Solid Wireframe", {"faces": False, "edges": False}, "faces"),
         ("Alpha Wrap", {"faces": False}, "faces"),
         ("Compute normals for point sets", {"points": False}, "points"),
         ("Surface Reconstruction: Screened Poisson",
@@ -213,6 +213,52 @@ def test_what_another_layer_lacks(check):
         in (errors(check(on(poor, MESH), step))[0][1])
     )
     assert errors(check(on(MESH, poor), step)) == []
+
+
+@pytest.mark.parametrize("facts", [{"faces": False}, {"faces": False, "edges": True}])
+def test_a_wireframe_of_what_may_be_a_polyline_is_no_error(check, facts):
+    assert check(on(LayerState(facts, "outline")), "Create Solid Wireframe") == ()
+
+
+def test_a_layer_that_is_not_named_may_be_without_points(check):
+    """The layers that these filters work on are others than the current one."""
+    void = LayerState({"points": False, "faces": False}, "void")
+    steps = [("Vertex Attribute Transfer", param("SourceMesh", 1, "RichMesh"),
+        param("TargetMesh", 2, "RichMesh"))]  # fmt: skip
+    assert errors(check(on(void, MESH, MESH), *steps)) == []
+    ((_, message),) = errors(check(on(MESH, void, MESH), *steps))
+    assert "needs points in the layer that 'sourcemesh' names; layer 1 has none" in message
+
+
+# What hangs on numbers or on the shape is not certain, so the step behind it is not refused, and
+# it is not said of it that nothing changes.
+HANG_ON_SHAPE = [
+    ([("Remove Vertices wrt Quality", param("MaxQualityThr", 0.1, "RichFloat"))], "Taubin Smooth"),
+    (["Remove Vertices wrt Quality"], "Delete Selected Faces"),
+    (["Geometric Cylindrical Unwrapping"], "Close Holes"),
+    (["Close Holes"], "Delete Selected Faces"),
+    (["Compute Topological Measures"], "Delete Selected Vertices"),
+    (["Remove Isolated Folded Faces by Edge Flip"], "Delete Selected Faces"),
+    (["Select All", "Vertex Attribute Seam"], "Delete Selected Vertices"),
+    (["Select All", "Compute Topological Measures"], "Delete Selected Faces"),
+]
+
+
+@pytest.mark.parametrize(("steps", "last"), HANG_ON_SHAPE)
+def test_what_hangs_on_the_shape_is_not_certain(check, steps, last):
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_grid(numvertx=4, numverty=4)
+    mesh_set.compute_scalar_by_function_per_vertex(q="x")
+    assert check(DocumentState.of(mesh_set), *steps, last) == ()
+
+
+def test_what_a_filter_is_for_is_certain(check):
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_cube()
+    state = DocumentState.of(mesh_set)
+    assert len(errors(check(state, "Delete ALL Faces", "Taubin Smooth"))) == 1
+    remark = check(state, "Select All", "Delete Selected Faces", "Delete Selected Faces")
+    assert ["nothing changes" in found.message for found in remark] == [True]
 
 
 def test_a_raster_is_needed_only_where_it_is_certain_that_there_is_none(check):

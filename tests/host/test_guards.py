@@ -13,7 +13,7 @@ from meshlab_symrecon.errors import GeometryError, HostError, ParameterError, Sy
 from meshlab_symrecon.host.guards import EMPTY_CLOUDS, NEED_TWO_LAYERS
 from meshlab_symrecon.host.native_filters import apply_native, find_native, native_filters
 from meshlab_symrecon.host.shape_guards import FATAL_WITH_NAN
-from meshlab_symrecon.host.value_limits import ABOVE_ZERO, LEAST, MOST
+from meshlab_symrecon.host.value_limits import ABOVE_ZERO, LEAST, MOST, NOT_ZERO
 
 DRAW = [name for name, item in native_filters().items() if item.display]
 
@@ -133,6 +133,35 @@ def test_the_layer_that_needs_faces_may_be_another_one(cloud_set):
         apply_native(cloud_set, "Voronoi Vertex Coloring", {"coloredmesh": 0, "vertexmesh": 1})
 
 
+def test_a_mesh_may_be_coloured_by_default_while_a_cloud_is_current(cloud_set):
+    cloud_set.create_sphere()
+    cloud_set.set_current_mesh(0)
+    apply_native(cloud_set, "Voronoi Vertex Coloring", {})
+    assert cloud_set.mesh(0).vertex_number() == 40
+
+
+def test_a_wireframe_is_made_of_a_polyline():
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_cube()
+    mesh_set.generate_polyline_from_planar_section()
+    assert (mesh_set.current_mesh().face_number(), mesh_set.current_mesh().edge_number()) == (0, 8)
+    apply_native(mesh_set, "Create Solid Wireframe", {})
+    assert list(mesh_set)[-1].face_number() > 0
+
+
+def test_the_layers_that_need_points_are_those_that_are_named(cloud_set, points):
+    cloud_set.add_mesh(pymeshlab.Mesh(vertex_matrix=points), "void")
+    cloud_set.set_selection_all()
+    cloud_set.meshing_remove_selected_vertices()
+    roles = {"sourcemesh": 0, "targetmesh": 1}
+    apply_native(cloud_set, "transfer_attributes_per_vertex", roles)  # the target may be void
+    cloud_set.set_current_mesh(0)
+    with pytest.raises(GeometryError, match="needs points; layer 'void' has none"):
+        apply_native(
+            cloud_set, "transfer_attributes_per_vertex", {"sourcemesh": 1, "targetmesh": 0}
+        )
+
+
 @pytest.mark.parametrize("name", sorted(EMPTY_CLOUDS))
 def test_a_cleaning_step_that_would_delete_a_cloud_is_skipped(cloud_set, points, name):
     menu = find_native(name).menu_name
@@ -207,6 +236,8 @@ def test_a_value_that_aborts_is_refused(cloud_set):
 def too_low():
     for name, parameters in ABOVE_ZERO.items():
         yield from ((name, parameter, 0.0, "above 0") for parameter in parameters)
+    for name, parameters in NOT_ZERO.items():
+        yield from ((name, parameter, 0, "other than 0") for parameter in parameters)
     for name, least in LEAST.items():
         for parameter, low in least.items():
             yield name, parameter, low - 1, f"at least {low}"
@@ -218,7 +249,9 @@ def too_low():
 @pytest.mark.parametrize(("name", "parameter", "value", "wanted"), list(too_low()))
 def test_values_that_crash_or_never_end_are_refused(cloud_set, name, parameter, value, wanted):
     find_native(name).find(parameter)
-    with pytest.raises(ParameterError, match=f"'{parameter}' of .* must be {wanted}, or MeshLab"):
+    with pytest.raises(
+        ParameterError, match=f"'{parameter}' of .* must be {wanted}, or MeshLab may"
+    ):
         apply_native(cloud_set, name, {parameter: value})
 
 
@@ -230,6 +263,28 @@ def test_values_at_the_limits_run(cloud_set):
         {"targetlen": pymeshlab.PercentageValue(50.0), "iterations": 1},
     )  # fmt: skip
     assert cloud_set.mesh_number() == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("generate_marching_cubes_apss", {"resolution": 0}),
+        ("generate_marching_cubes_rimls", {"resolution": 0}),
+        ("meshing_surface_subdivision_doo_sabin", {"iterations": 0}),
+        ("generate_sampling_volumetric", {"samplesurfradius": pymeshlab.PureValue(-1.0)}),
+        ("meshing_isotropic_explicit_remeshing", {"targetlen": pymeshlab.PureValue(-1.0)}),
+    ],
+)
+def test_odd_values_that_meshlab_runs_are_not_refused(name, values):
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_cube()
+    apply_native(mesh_set, name, values)
+
+
+def test_no_samples_align_nothing(cloud_set):
+    cloud_set.create_sphere(subdiv=1)
+    cloud_set.create_sphere(subdiv=1)
+    apply_native(cloud_set, "compute_matrix_by_mesh_global_alignment", {"samplenum": 0})
 
 
 @pytest.mark.parametrize("name", sorted(FATAL_WITH_NAN))

@@ -70,7 +70,26 @@ def selected_torus():
     return mesh_set
 
 
-DOCUMENTS = (coloured_cloud, plain_cloud_and_painted_mesh, selected_torus)
+def open_sheet():
+    """A mesh with a boundary and quality, nothing selected."""
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_grid(numvertx=6, numverty=5)
+    mesh_set.compute_scalar_by_function_per_vertex(q="x")
+    return mesh_set
+
+
+def non_manifold_fan():
+    """Three triangles on one edge, two that meet in a point only, one of no area, a loose point."""
+    points = [[0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, -1, 0], [3, 0, 1], [3, 1, 1],
+              [-3, 0, 1], [-3, 1, 1], [9, 9, 9]]  # fmt: skip
+    faces = [[0, 1, 2], [0, 1, 3], [0, 1, 4], [1, 5, 6], [1, 7, 8], [5, 6, 6]]
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.add_mesh(pymeshlab.Mesh(np.array(points, dtype=float), np.array(faces)), "fan")
+    mesh_set.compute_scalar_by_function_per_vertex(q="z")
+    return mesh_set
+
+
+DOCUMENTS = (coloured_cloud, plain_cloud_and_painted_mesh, selected_torus, open_sheet)
 
 
 def resolved(name, **values):
@@ -116,14 +135,63 @@ def test_the_filters_that_are_tried_are_most_of_them():
 def test_what_is_foreseen_comes_true(name):
     """And a step with an error does not run, and a step without is told apart by what it does."""
     for make in DOCUMENTS:
-        mesh_set = make()
-        before = DocumentState.of(mesh_set)
-        step = resolved(name)
-        errors = [found for found in check_document([step], before) if found.severity == ERROR]
-        predicted = after(before, step)
-        if ran(mesh_set, name, {}):
-            assert errors == [], make.__name__
-            assert_foreseen(predicted, DocumentState.of(mesh_set))
+        assert_comes_true(make(), name)
+
+
+def assert_comes_true(mesh_set, name, **values):
+    before = DocumentState.of(mesh_set)
+    step = resolved(name, **values)
+    errors = [found for found in check_document([step], before) if found.severity == ERROR]
+    predicted = after(before, step)
+    if not ran(mesh_set, name, values):
+        return False
+    assert errors == []
+    assert_foreseen(predicted, DocumentState.of(mesh_set))
+    return True
+
+
+THRESHOLDS = [
+    ("meshing_remove_vertices_by_scalar", {"maxqualitythr": 0.5}),
+    ("meshing_remove_vertices_by_scalar", {"maxqualitythr": -1.0}),
+    ("generate_cylindrical_unwrapping", {}),
+    ("generate_cylindrical_unwrapping", {"startangle": -180.0}),
+    ("generate_cylindrical_unwrapping", {"endangle": 0.0}),
+    ("meshing_close_holes", {"maxholesize": 100}),
+    ("meshing_close_holes", {"maxholesize": 100, "newfaceselected": False}),
+    ("get_topological_measures", {}),
+    ("meshing_remove_folded_faces", {}),
+    ("meshing_remove_null_faces", {}),
+    ("meshing_remove_t_vertices", {"threshold": 1.0}),
+    ("meshing_remove_unreferenced_vertices", {}),
+    ("meshing_remove_connected_component_by_face_number", {"mincomponentsize": 1000}),
+    ("meshing_merge_close_vertices", {"threshold": pymeshlab.PercentageValue(90.0)}),
+    ("meshing_repair_non_manifold_edges", {"method": "Split Vertices"}),
+    ("meshing_repair_non_manifold_vertices", {}),
+    ("meshing_vertex_attribute_seam", {}),
+    ("meshing_cut_along_crease_edges", {"angledeg": 1.0}),
+    ("meshing_decimation_clustering", {"threshold": pymeshlab.PercentageValue(60.0)}),
+    ("meshing_decimation_quadric_edge_collapse", {"targetfacenum": 1}),
+    ("meshing_snap_mismatched_borders", {"edgedistratio": 1.0}),
+    ("generate_splitting_by_connected_components", {}),
+    ("generate_polyline_from_planar_section", {"planeoffset": 50.0}),
+    ("generate_sampling_stratified_triangle", {"samplenum": 1}),
+    ("compute_selection_by_self_intersections_per_face", {}),
+    ("compute_selection_by_scalar_per_vertex", {"minq": 0.2, "maxq": 0.4}),
+]
+SAMPLING = "generate_sampling_poisson_disk"
+TOGETHER = [
+    (SAMPLING, {"samplenum": 30, "savemontecarlo": True}),
+    (SAMPLING, {"samplenum": 30, "savemontecarlo": True, "subsample": True}),
+    (SAMPLING, {"samplenum": 30, "savemontecarlo": True, "subsample": False}),
+]
+
+
+@pytest.mark.parametrize("make", [open_sheet, non_manifold_fan, selected_torus])
+@pytest.mark.parametrize(("name", "values"), [*THRESHOLDS, *TOGETHER])
+def test_other_values_on_unsound_shapes_are_foreseen(make, name, values):
+    mesh_set = make()
+    tried = assert_comes_true(mesh_set, name, **values)
+    assert tried or make is not open_sheet
 
 
 CHAIN = [
@@ -161,16 +229,20 @@ def test_a_long_chain_is_foreseen_from_its_beginning():
 
 @pytest.mark.parametrize(
     ("values", "added"),
-    [({"subsample": True}, 1), ({"subsample": True, "savemontecarlo": True}, 2)],
+    [
+        ({"subsample": True}, 1),
+        ({"savemontecarlo": True, "subsample": False}, 2),
+        ({"subsample": True, "savemontecarlo": True}, None),
+    ],
 )
 def test_values_change_how_many_layers_there_will_be(values, added):
     state = DocumentState.of(coloured_cloud())
     predicted = after(state, resolved("generate_sampling_poisson_disk", **values))
-    if added == 1:
-        assert len(predicted.layers) == 2
+    if added:
+        assert (len(predicted.layers), predicted.more) == (1 + added, 0)
         assert predicted.current_layer.has("faces") is False
     else:
-        assert predicted.most == 3
+        assert predicted.most is None
 
 
 def test_a_hidden_layer_makes_a_merger_uncertain():
