@@ -300,7 +300,7 @@ def test_no_normals_are_only_certain_without_faces():
 def test_what_runs_after_a_step_is_foreseen_too(make, strict):
     """An old selection of vertices selected faces, of which a cloud has none."""
     step = Step("Conditional Vertex Selection", 1, (
-        Param("condSelect", 1, "RichString", "(x > 0.3)"),
+        Param("condSelect", 1, "RichString", "(x > -9)"),
         Param("strictSelect", 1, "RichBool", strict),
     ))  # fmt: skip
     script = Script(Path("old.mlx"), (step,))
