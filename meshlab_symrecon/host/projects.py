@@ -26,7 +26,7 @@ PROJECT = "mlp"  # extension
 
 
 def load_project(path: str | Path, mesh_set: Any = None) -> Any:
-    """Load the layers of a project with their labels and matrices, and its rasters.
+    """Load the layers of a project with their labels, matrices and visibility, and its rasters.
 
     Parameters
     ----------
@@ -102,6 +102,7 @@ def _place(mesh_set: Any, identifier: int, layer: ProjectLayer, *, alone: bool) 
     if not np.array_equal(layer.matrix, np.eye(4)):
         mesh_set.set_current_mesh(identifier)
         apply_native(mesh_set, "set_matrix", {"transformmatrix": layer.matrix, "freeze": False})
+    mesh_set.set_mesh_visibility(identifier, layer.visible)
 
 
 def _load_rasters(project: Project, mesh_set: Any) -> None:
