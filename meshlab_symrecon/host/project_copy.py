@@ -61,7 +61,7 @@ def save_project_copy(
     path: Path,
     files: Mapping[int, Path],
 ) -> None:
-    """Save every layer with all that its format holds, and a project with their matrices and visibility.
+    """Save every layer with all that its format holds, and a project that keeps their matrices.
 
     Parameters
     ----------
