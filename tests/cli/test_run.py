@@ -209,7 +209,8 @@ def test_what_was_saved_as_a_project_is_an_input(run, statue, lopsided, tmp_path
         assert shifts == [0.0, 5.0, 0.0]
     result = run("run", "last.mlx", "all.mlp", "-o", "moved.ply")
     assert result.exit_code == 0, result.stderr
-    before, after = (load(path).current_mesh().vertex_matrix() for path in (lopsided, "moved.ply"))
+    documents = [load(path) for path in (lopsided, "moved.ply")]
+    before, after = (document.current_mesh().vertex_matrix() for document in documents)
     np.testing.assert_allclose(after, before + np.array([5.0, 0.0, 0.0]), rtol=1e-12)
 
 
