@@ -379,6 +379,19 @@ def test_projects_in_and_out(serve, place):
     assert counts("cube.ply") == [(8, 12)]
 
 
+def test_hidden_layers_are_not_merged(serve, place):
+    written = project(place).read_text()
+    (place / "p.mlp").write_text(written.replace('label="a"', 'label="a" visible="0"'))
+    script(place / "s.mlx", '<filter name="Flatten Visible Layers"/>\n')
+    code, _, err = serve("-p", "p.mlp", "-s", "s.mlx", "-o", "a.ply", "-w", "o.mlp")
+    assert code == 0, err
+    hidden, shown = counts("cube.ply"), counts("ball 1.PLY")
+    assert counts("a.ply") == shown
+    written = load_project(place / "o.mlp")
+    assert [mesh.is_visible() for mesh in written] == [False, True]
+    assert written.mesh(0).vertex_number() == hidden[0][0]
+
+
 def test_x_overwrites_the_files_of_the_layers(serve, place):
     script(place / "s.mlx", CUT.format(faces=200))
     code, _, err = serve("-i", "cube.ply", "ball 1.PLY", "-s", "s.mlx", "-w", "o.mlp", "-x")
