@@ -18,7 +18,8 @@ from meshlab_symrecon.host.translation import translated
 
 __all__ = ["check_whole", "points_in_faces"]
 
-READ_BACK = ("3mf", "ctm", "dae", "e57", "wrl", "x3d")  # nothing else tells for these
+# Nothing else tells for these. CTM is left out: its reader may end the process on a whole file.
+READ_BACK = ("3mf", "dae", "e57", "wrl", "x3d")
 ENDINGS = {"dxf": b"\nEOF", "idtf": b"\n}", "json": b"\n}", "obj": b"# End of File"}
 TAIL = 100  # bytes
 
