@@ -32,20 +32,22 @@ def check(
 ) -> int:
     """Say all that is wrong with a MeshLab filter script, one finding a line; run nothing.
 
-    With the files IN... that it is meant for, each step is also checked against what the layers
-    will be then: layers that will not exist, clouds that a step would empty, missing faces, colours
-    or textures. Exits with 0 when the script can run, else with 1.
+    With the meshes or projects IN... that it is meant for, each step is also checked against what
+    the layers will be then: layers that will not exist, clouds that a step would empty, missing
+    faces, colours or textures. Exits with 0 when the script can run, else with 1.
     """
     from meshlab_symrecon.cli.reports import write_json
     from meshlab_symrecon.errors import ScriptError
     from meshlab_symrecon.host.checking import check_script
     from meshlab_symrecon.host.files import check_output
     from meshlab_symrecon.host.mlx import read_script
+    from meshlab_symrecon.host.projects import files_of
 
     if strict and lenient:
         raise click.UsageError("--strict and --lenient contradict each other; give one")
     if report is not None:
-        check_output(report, [script, *inputs], ())
+        kept = [file for path in inputs for file in files_of(path)]
+        check_output(report, [script, *kept], ())
     try:
         written = read_script(script)
     except ScriptError as error:
@@ -85,13 +87,14 @@ def _report(
 def _state(inputs: tuple[Path, ...]) -> DocumentState:
     """Return what is known of the document that a script will work on."""
     from meshlab_symrecon.host.document_state import DocumentState
-    from meshlab_symrecon.host.files import load, new_document
+    from meshlab_symrecon.host.files import new_document
+    from meshlab_symrecon.host.projects import load_input
 
     if not inputs:
         return DocumentState.unknown()
     mesh_set = new_document()
     for path in inputs:
-        load(path, mesh_set)
+        load_input(path, mesh_set)
     return DocumentState.of(mesh_set)
 
 

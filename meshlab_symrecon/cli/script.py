@@ -14,7 +14,7 @@ __all__ = ["run"]
 
 @click.command()
 @click.argument("script", type=click.Path(path_type=Path), metavar="SCRIPT.mlx")
-@click.argument("inputs", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="IN...")
+@click.argument("inputs", nargs=-1, type=click.Path(path_type=Path), metavar="[IN]...")
 @click.option(
     "-o",
     "--output",
@@ -41,17 +41,20 @@ def run(
 ) -> None:
     """Run a MeshLab filter script, old or new, on IN... and save the current layer.
 
-    The inputs become layers in their order; the last one is the current one. The whole script is
-    checked before anything runs.
+    The inputs, meshes or projects, become layers in their order; the last one is the current one.
+    Without any, the script has to make the first layer. The whole script is checked before
+    anything runs.
     """
     from meshlab_symrecon.cli.reports import plain, write_json
     from meshlab_symrecon.host.file_job import run_on_files
     from meshlab_symrecon.host.files import check_output
+    from meshlab_symrecon.host.projects import files_of
 
     if how["strict"] and how["lenient"]:
         raise click.UsageError("--strict and --lenient contradict each other; give one")
     if report is not None:
-        check_output(report, [script, *inputs, output], ())
+        kept = [file for path in inputs for file in files_of(path)]
+        check_output(report, [script, *kept, output], ())
     with progress_bar(script.name) as progress:
         result = run_on_files(script, inputs, output, **how, progress=progress)
     if report is not None:

@@ -14,7 +14,7 @@ import click
 from meshlab_symrecon import __version__
 from meshlab_symrecon.cli.border import DONE, FAILED, exit_with
 from meshlab_symrecon.cli.server_arguments import parse
-from meshlab_symrecon.cli.server_checks import Checked, check
+from meshlab_symrecon.cli.server_checks import Checked, check, check_on_document
 from meshlab_symrecon.cli.server_help import HELP
 from meshlab_symrecon.cli.server_job import CURRENT, LAST, Job, Load, Output
 from meshlab_symrecon.cli.server_journal import Journal, journal_of
@@ -56,7 +56,8 @@ def serve(words: Sequence[str]) -> int:
         filters.main(["--all"], standalone_mode=False)
     checked = check(job)
     if job.dry_run:
-        _say_plan(job, checked)
+        findings = _tried(job, checked)
+        _say_plan(job, checked, findings)
         return DONE
     with journal_of(words, job.log) as journal:
         for note in job.notes:
@@ -64,12 +65,62 @@ def serve(words: Sequence[str]) -> int:
         return _Run(job, checked, journal).all()
 
 
-def _say_plan(job: Job, checked: Checked) -> None:
+def _tried(job: Job, checked: Checked) -> tuple[Any, ...]:
+    """Load what a job names, and check its scripts on that; return what was found, but errors."""
+    from meshlab_symrecon.host.files import new_document
+    from meshlab_symrecon.host.native_log import native_log
+
+    mesh_set = new_document()
+    with native_log(mesh_set):
+        for load in job.loads:
+            _load(load, checked, mesh_set)
+        if not job.scripts:
+            for output in job.outputs:
+                _identifier_of(mesh_set, output)
+        return check_on_document(job, checked, mesh_set)
+
+
+def _load(item: Load, checked: Checked, mesh_set: Any) -> dict[int, Path]:
+    """Load a file or a project; return the file of each new layer, by its identifier."""
+    from meshlab_symrecon.host.files import load
+    from meshlab_symrecon.host.projects import load_layers
+
+    if item.project:
+        return load_layers(checked.projects[item.path], mesh_set)
+    before = {int(mesh.id()) for mesh in mesh_set}
+    load(item.path, mesh_set)
+    added = {int(mesh.id()) for mesh in mesh_set} - before
+    return dict.fromkeys(sorted(added), item.path)
+
+
+def _identifier_of(mesh_set: Any, output: Output) -> int:
+    """Return the identifier of the layer that an output means."""
+    from meshlab_symrecon.host.meshset import current_identifier
+
+    identifiers = [int(mesh.id()) for mesh in mesh_set]
+    if not identifiers:
+        raise FileError(f"{output.path} cannot be written: there is no layer; load one (-i)")
+    if output.layer == CURRENT:
+        return current_identifier(mesh_set)
+    if output.layer == LAST:
+        return identifiers[-1]
+    position = int(output.layer)
+    if position >= len(identifiers):
+        message = (
+            f"{output.path} cannot be written: there is no layer {position} (-l); the document "
+            f"has layers 0 to {len(identifiers) - 1}"
+        )
+        raise FileError(message)
+    return identifiers[position]
+
+
+def _say_plan(job: Job, checked: Checked, findings: tuple[Any, ...]) -> None:
     for load in job.loads:
         click.echo(f"{load.path}: would be loaded")
     for script in checked.scripts:
-        click.echo(f"{script.path}: {len(script.steps)} steps would run")
-    for finding in checked.findings:
+        count = len(script.steps)
+        click.echo(f"{script.path}: {count} step{'' if count == 1 else 's'} would run")
+    for finding in (*checked.findings, *findings):
         click.echo(f"    {finding}")
     targets = [project.path for project in job.projects] + [output.path for output in job.outputs]
     for path in (*targets, job.dump, job.report, job.log):
@@ -104,6 +155,7 @@ class _Run:
             self.load(load)
         if not self.job.scripts:
             self.check_layers()
+        check_on_document(self.job, self.checked, self.mesh_set)
         self.run_scripts(log)
         if self.job.bake:
             self.bake()
@@ -121,16 +173,8 @@ class _Run:
             self.journal.say(f"{count} filters written to {self.job.dump}")
 
     def load(self, item: Load) -> None:
-        from meshlab_symrecon.host.files import load
-        from meshlab_symrecon.host.projects import load_layers
-
         before = {int(mesh.id()) for mesh in self.mesh_set}
-        if item.project:
-            self.origins |= load_layers(self.checked.projects[item.path], self.mesh_set)
-        else:
-            load(item.path, self.mesh_set)
-            added = {int(mesh.id()) for mesh in self.mesh_set} - before
-            self.origins |= dict.fromkeys(sorted(added), item.path)
+        self.origins |= _load(item, self.checked, self.mesh_set)
         for position, mesh in enumerate(self.mesh_set):
             if mesh.id() not in before:
                 size = f"{mesh.vertex_number()} vn {mesh.face_number()} fn"
@@ -139,7 +183,7 @@ class _Run:
     def check_layers(self) -> None:
         """Refuse layers that do not exist before anything is written; scripts may make some."""
         for output in self.job.outputs:
-            self.identifier_of(output)
+            _identifier_of(self.mesh_set, output)
 
     def run_scripts(self, log: Any) -> None:
         from meshlab_symrecon.host.script import run_steps
@@ -187,7 +231,7 @@ class _Run:
     def save(self, output: Output) -> bool:
         record: dict[str, Any] = {"path": str(output.path), "flags": sorted(output.mask)}
         try:
-            identifier = self.identifier_of(output)
+            identifier = _identifier_of(self.mesh_set, output)
             self.export(identifier, output)
         except SymReconError as error:
             return self.failed(record, error)
@@ -221,25 +265,6 @@ class _Run:
         self.journal.complain(str(error))
         self.files.append(record | {"written": False, "error": str(error)})
         return False
-
-    def identifier_of(self, output: Output) -> int:
-        from meshlab_symrecon.host.meshset import current_identifier
-
-        identifiers = [int(mesh.id()) for mesh in self.mesh_set]
-        if not identifiers:
-            raise FileError(f"{output.path} cannot be written: there is no layer; load one (-i)")
-        if output.layer == CURRENT:
-            return current_identifier(self.mesh_set)
-        if output.layer == LAST:
-            return identifiers[-1]
-        position = int(output.layer)
-        if position >= len(identifiers):
-            message = (
-                f"{output.path} cannot be written: there is no layer {position} (-l); the document "
-                f"has layers 0 to {len(identifiers) - 1}"
-            )
-            raise FileError(message)
-        return identifiers[position]
 
     def report(self, code: int) -> None:
         if self.job.report is None:

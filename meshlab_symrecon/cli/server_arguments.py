@@ -117,7 +117,8 @@ class _Reader:
 
     def one(self, option: str) -> str:
         if self.at == len(self.words) or self.words[self.at].startswith("-"):
-            raise click.UsageError(f"{option} needs a value behind it; got none")
+            got = f"'{self.words[self.at]}'" if self.at < len(self.words) else "none"
+            raise click.UsageError(f"{option} needs a value behind it; got {got}")
         self.at += 1
         return self.words[self.at - 1]
 
@@ -152,10 +153,13 @@ class _Reader:
 
     def take_layer_or_log(self, option: str) -> None:
         """Read ``-l``: the layer of the ``-o`` before it, otherwise the log file."""
-        word = self.one(option)
         behind_output = bool(self.groups) and self.before == "-o"
+        following = self.words[self.at : self.at + 1]
+        if behind_output and following and re.fullmatch(r"-\d+", following[0]):
+            raise click.UsageError(f"-l behind -o takes a layer: N, c or x; got '{following[0]}'")
+        word = self.one(option)
         if not self.groups or not (word in LAYERS or word.isdecimal()):
-            if behind_output and re.fullmatch(r"-?\d+|.", word):
+            if behind_output and re.fullmatch(r"\d+|.", word):
                 raise click.UsageError(f"-l behind -o takes a layer: N, c or x; got '{word}'")
             self.set_file(option, word)
             return

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.cli.server_job import Job
 from meshlab_symrecon.errors import FileError, SymReconError
 
-__all__ = ["Checked", "check"]
+__all__ = ["Checked", "check", "check_on_document"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,6 +61,39 @@ def check(job: Job) -> Checked:
     if problems.sentences:
         raise SymReconError("\n".join(problems.sentences))
     return Checked(scripts, findings, projects)
+
+
+def check_on_document(job: Job, checked: Checked, mesh_set: Any) -> tuple[Any, ...]:
+    """Check all scripts in a row on the document that was loaded; nothing is run.
+
+    Returns
+    -------
+    tuple of Finding
+        What is no error, or is passed over leniently.
+
+    Raises
+    ------
+    ScriptError
+        Everything that is certainly wrong, one a line.
+    """
+    from meshlab_symrecon.host.checking import check_document
+    from meshlab_symrecon.host.document_state import DocumentState
+    from meshlab_symrecon.host.findings import check_findings
+    from meshlab_symrecon.host.resolution import matched
+
+    # As one long script, since each begins with the document that the one before it leaves.
+    steps = [
+        (str(script.path), number, step)
+        for script in checked.scripts
+        for number, step in enumerate(matched(script).steps)
+    ]
+    found = check_document([step for _, _, step in steps], DocumentState.of(mesh_set))
+    findings = tuple(
+        replace(finding, file=steps[finding.step][0], step=steps[finding.step][1])
+        for finding in found
+    )
+    check_findings(findings, lenient=job.lenient)
+    return findings
 
 
 def _check_scripts(job: Job, problems: _Problems) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

@@ -31,7 +31,7 @@ Beyond meshlabserver:
   --bake            apply the layers' matrices before saving
   --strict          refuse scripts of which anything must be mapped to today's MeshLab
   --lenient         pass over steps and parameters that cannot be used, and say which
-  --dry-run         check everything, and do nothing
+  --dry-run         load and check everything, and do nothing
   --json R.json     also save what became of every step and file
   --list-filters    list all filters
   -h, --help        show this

@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 import os
+import platform
+import re
 import shutil
 import tempfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from meshlab_symrecon.errors import FileError
 
-__all__ = ["check_target", "reason", "remove_staging", "replacing", "same_file"]
+__all__ = [
+    "check_target",
+    "reason",
+    "remove_dead_staging",
+    "remove_staging",
+    "replacing",
+    "same_file",
+]
 
 STAGING_PREFIX = ".symrecon-"
+PROCESSES = Path("/proc/self/ns/pid")  # a container has its own, and counts its processes anew
 
 
 def reason(error: OSError) -> str:
@@ -60,7 +71,7 @@ def replacing(path: Path) -> Iterator[Path]:
     writer that looks at the extension, or that puts further files beside (materials, textures,
     also in folders), works as ever. Once all are whole the further files are moved, the named one
     last. When the block fails or is interrupted, nothing is left and an older file at ``path``
-    stays as it was.
+    stays as it was. What a process that ended by a crash has left in the same place is removed.
 
     Raises
     ------
@@ -70,9 +81,9 @@ def replacing(path: Path) -> Iterator[Path]:
     target = check_target(path)
     staging: Path | None = None
     try:
-        staging = Path(
-            tempfile.mkdtemp(prefix=f"{STAGING_PREFIX}{os.getpid()}-", dir=target.parent)
-        )
+        remove_dead_staging(target.parent)
+        prefix = f"{STAGING_PREFIX}{os.getpid()}-{_machine()}-"
+        staging = Path(tempfile.mkdtemp(prefix=prefix, dir=target.parent))
         yield staging / path.name
         _put_in_place(staging, path.name, target)
     except FileError:
@@ -89,6 +100,36 @@ def remove_staging(folder: Path, process: int) -> None:
     """Remove what another process of ours, ended by a crash, left half-written in a folder."""
     for staging in folder.glob(f"{STAGING_PREFIX}{process}-*"):
         shutil.rmtree(staging, ignore_errors=True)
+
+
+def remove_dead_staging(folder: Path) -> None:
+    """Remove what processes of ours on this machine left in a folder, if they are no more.
+
+    Those of other machines and containers, which may write in the same folder, cannot be asked
+    for; nor can processes be on Windows. What they left stays.
+    """
+    if os.name != "posix":
+        return
+    for staging in folder.glob(f"{STAGING_PREFIX}*-{_machine()}-*"):
+        number = re.match(rf"{re.escape(STAGING_PREFIX)}(\d{{1,9}})-", staging.name)
+        if number and not _is_running(int(number[1])):
+            shutil.rmtree(staging, ignore_errors=True)
+
+
+def _machine() -> str:
+    """Return a word for the machine, or the container, whose numbers of processes are ours."""
+    inside = PROCESSES.readlink() if PROCESSES.is_symlink() else ""
+    return f"{zlib.crc32(f'{platform.node()} {inside}'.encode()):08x}"
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # it is another user's
+        return True
+    return True
 
 
 def _put_in_place(staging: Path, name: str, target: Path) -> None:

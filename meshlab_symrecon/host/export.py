@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from meshlab_symrecon.errors import FileError, HostError
 from meshlab_symrecon.host.atomic import replacing
-from meshlab_symrecon.host.files import READABLE, new_document, write_layer
+from meshlab_symrecon.host.files import write_layer
 from meshlab_symrecon.host.formats import FACES_ONLY, POINTS_ONLY, WRITABLE, check_points
 from meshlab_symrecon.host.image_names import rename_images
 from meshlab_symrecon.host.mask import TEXT, held_flags, save_options
@@ -19,11 +17,10 @@ from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.textures import place_textures
 from meshlab_symrecon.host.translation import translated
+from meshlab_symrecon.host.whole import check_whole, points_in_faces
 
 __all__ = ["export_layer", "write_all", "write_staged"]
 
-UNREPORTED = ("xyz", "3mf", "dae", "e57", "wrl", "x3d")  # writers that hide a full disk
-# Writers that refuse a layer without points, hide that they do, or end the process on it.
 TEXTURED = ("save_wedge_texcoord", "save_vertex_coord")
 
 
@@ -89,7 +86,7 @@ def write_staged(
         names = place_textures(mesh_set, identifier, path, staged)
         for file in (staged, staged.with_name(f"{staged.name}.mtl")):
             rename_images(file, names)
-    _check_whole(mesh_set.mesh(identifier), path, extension, staged)
+    check_whole(mesh_set.mesh(identifier), path, staged)
 
 
 def write_all(mesh_set: Any, identifier: int, path: Path, staged: Path, text: bool = False) -> None:
@@ -128,27 +125,9 @@ def _check_losses(mesh: Any, path: Path, extension: str) -> None:
         warn_user(f"{words}; write .ply to keep them")
     if extension not in FACES_ONLY or points == 0:
         return
-    lost = points - len(np.unique(mesh.face_matrix()))
+    lost = points - points_in_faces(mesh)
     words = f"{path}: .{extension} holds faces only, and {lost} points belong to no face"
     if faces == 0:
         raise FileError(f"{words}; write .ply instead")
     if lost:
         warn_user(f"{words}, so they were left out; write .ply to keep them")
-
-
-def _check_whole(mesh: Any, path: Path, extension: str, staged: Path) -> None:
-    """Read back what a writer wrote that does not tell when the disk was full."""
-    if not staged.is_file() or staged.stat().st_size == 0:
-        raise FileError(f"{path} cannot be written: the writer made no file; check free space")
-    if extension not in UNREPORTED or extension not in READABLE or mesh.vertex_number() == 0:
-        return
-    written = new_document()
-    try:
-        with translated(f"{path} cannot be written"), process_kept():
-            written.load_new_mesh(str(staged))
-        faces = sum(layer.face_number() for layer in written)
-    except HostError:
-        faces = -1
-    if faces != (0 if extension in POINTS_ONLY else mesh.face_number()):
-        message = f"{path} cannot be written: the writer did not finish; check free space"
-        raise FileError(message)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from meshlab_symrecon.host.files import WRITABLE, check_output, load, new_document, save_current
+from meshlab_symrecon.host.files import WRITABLE, check_output, new_document, save_current
 from meshlab_symrecon.host.isolation import isolated
 from meshlab_symrecon.host.mlx import Script
-from meshlab_symrecon.host.projects import PROJECT, save_project
+from meshlab_symrecon.host.projects import PROJECT, files_of, load_input, save_project
 from meshlab_symrecon.host.script import ScriptReport, checked_script, run_steps
 from meshlab_symrecon.plugin import Progress
 
@@ -31,7 +31,8 @@ def run_on_files(
     ----------
     script : Path
     inputs : sequence of Path
-        They become layers in this order; the last one is the current one.
+        Meshes and projects, whose layers come in this order; the last one is the current one.
+        Without any, the script has to make the first layer.
     output : Path
         With the extension ``.mlp``, every layer is saved beside the project.
     strict, lenient : bool
@@ -49,10 +50,11 @@ def run_on_files(
     HostError
         A step crashed in the child process; nothing was written.
     """
-    check_output(output, [script, *inputs], (*WRITABLE, PROJECT))
+    kept = [script, *(file for path in inputs for file in files_of(path))]
+    check_output(output, kept, (*WRITABLE, PROJECT))
     # Before reading inputs, which is long; and once only, since a script may come through a pipe.
     steps = checked_script(script, strict=strict, lenient=lenient)
-    job = (steps, tuple(inputs), output, strict, lenient)
+    job = (steps, tuple(inputs), tuple(kept), output, strict, lenient)
     if not isolate:
         return _done(*job, progress=progress)
     report: ScriptReport = isolated(_done, *job, progress=progress, folders=[output.parent])
@@ -62,6 +64,7 @@ def run_on_files(
 def _done(
     script: Script,
     inputs: Sequence[Path],
+    kept: Sequence[Path],
     output: Path,
     strict: bool,
     lenient: bool,
@@ -71,11 +74,11 @@ def _done(
     mesh_set = new_document()
     for path in inputs:
         progress(0.0, f"reading {path}")
-        load(path, mesh_set)
+        load_input(path, mesh_set)
     report = run_steps(mesh_set, script, strict=strict, lenient=lenient, progress=progress)
     progress(1.0, f"writing {output}")
     if output.suffix.lower() == f".{PROJECT}":
-        save_project(mesh_set, output, [script.path, *inputs])
+        save_project(mesh_set, output, kept)
     else:
         save_current(mesh_set, output)
     return report

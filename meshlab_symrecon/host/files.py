@@ -30,6 +30,7 @@ from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.translation import translated
+from meshlab_symrecon.host.whole import check_whole, points_in_faces
 
 __all__ = [
     "READABLE",
@@ -47,7 +48,6 @@ READABLE = (
     "x3dv",
 )  # fmt: skip
 PLAIN = ("off", "xyz")  # MeshLab's readers of these do not crash, so no child process reads first
-UNREPORTED = ("xyz", "3mf", "dae", "e57", "wrl", "x3d")  # exporters that hide a full disk
 
 
 def new_document() -> Any:
@@ -249,14 +249,14 @@ def write_layer(
         told = str(error).removeprefix(f"{path} cannot be written: ")
         message = f"{path} cannot be written: {told}; check free space and the format"
         raise FileError(message) from error
-    _check_whole(contents, mesh, path, extension, staged)
+    check_whole(mesh, path, staged)
 
 
 def _check_losses(mesh: Any, contents: Contents, path: Path, extension: str) -> None:
     if extension in POINTS_ONLY and contents.faces:
         words = f"{path}: .{extension} holds points only, so {contents.faces} faces were left out"
         warn_user(f"{words}; write .ply to keep them")
-    loose = contents.points - _in_faces(mesh) if extension in FACES_ONLY else 0
+    loose = contents.points - points_in_faces(mesh) if extension in FACES_ONLY else 0
     if loose:
         words = f"{path}: .{extension} holds faces only, and {loose} points belong to no face"
         if contents.faces == 0:
@@ -265,27 +265,3 @@ def _check_losses(mesh: Any, contents: Contents, path: Path, extension: str) -> 
     lost = lost_in(contents, extension)
     if lost:
         warn_user(f"{path}: .{extension} cannot keep {', '.join(lost)}; write .ply to keep all")
-
-
-def _in_faces(mesh: Any) -> int:
-    """Return how many vertices belong to a face."""
-    return len(np.unique(mesh.face_matrix())) if mesh.face_number() else 0
-
-
-def _check_whole(contents: Contents, mesh: Any, path: Path, extension: str, staged: Path) -> None:
-    """Read back what an exporter wrote that does not tell when the disk was full."""
-    if extension not in UNREPORTED:
-        return
-    written = new_document()
-    try:
-        with translated(f"{path} cannot be written"), process_kept():
-            written.load_new_mesh(str(staged))
-        counts = [(mesh.vertex_number(), mesh.face_number()) for mesh in written]
-    except HostError:
-        counts = []
-    faces = 0 if extension in POINTS_ONLY else contents.faces
-    points_read, faces_read = (sum(column) for column in zip((0, 0), *counts, strict=True))
-    fewest = _in_faces(mesh) if faces else contents.points
-    if points_read < fewest or faces_read != faces:
-        message = f"{path} cannot be written: the exporter did not finish; check free space"
-        raise FileError(message)

@@ -240,7 +240,7 @@ class FilterScript:
             As ``run_script``.
         isolate : bool
             Run it on a copy of the document in a child process first: when a step crashes MeshLab
-            or fails there, it is an error and the document is as it was. Takes twice the time.
+            there, it is an error and the document is as it was. Takes twice the time.
         progress : callable, optional
 
         Raises

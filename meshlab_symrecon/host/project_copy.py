@@ -61,7 +61,7 @@ def save_project_copy(
     path: Path,
     files: Mapping[int, Path],
 ) -> None:
-    """Save every layer with all that its format holds, and a project with the layers' matrices.
+    """Save every layer with all that its format holds, and a project that keeps their matrices.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def save_project_copy(
             write_all(mesh_set, identifier, file, staged)
             mesh = mesh_set.mesh(identifier)
             name = Path(os.path.relpath(file, path.parent)).as_posix()
-            entries.append((mesh.label(), name, mesh.transform_matrix()))
+            entries.append((mesh.label(), name, mesh.is_visible(), mesh.transform_matrix()))
         staged_project.write_bytes(_project_text(entries, _rasters(mesh_set, path)))
 
 
@@ -104,20 +104,21 @@ def _rasters(mesh_set: Any, path: Path) -> list[ElementTree.Element]:
 
 
 def _project_text(
-    entries: Iterable[tuple[str, str, Any]], rasters: Iterable[ElementTree.Element] = ()
+    entries: Iterable[tuple[str, str, bool, Any]], rasters: Iterable[ElementTree.Element] = ()
 ) -> bytes:
     """Return a project file.
 
     Parameters
     ----------
-    entries : iterable of (str, str, (4, 4) array)
-        Label, file and matrix of each layer.
+    entries : iterable of (str, str, bool, (4, 4) array)
+        Label, file, visibility and matrix of each layer.
     rasters : iterable of Element
     """
     root = ElementTree.Element("MeshLabProject")
     group = ElementTree.SubElement(root, "MeshGroup")
-    for label, name, matrix in entries:
-        attributes = {"label": label, "idInFile": "-1", "filename": name, "visible": "1"}
+    for label, name, visible, matrix in entries:
+        attributes = {"label": label, "idInFile": "-1", "filename": name}
+        attributes["visible"] = str(int(visible))
         element = ElementTree.SubElement(group, "MLMesh", attributes)
         rows = (" ".join(_number(value) for value in row) for row in np.asarray(matrix))
         ElementTree.SubElement(element, "MLMatrix44").text = "\n" + " \n".join(rows) + " \n"

@@ -27,12 +27,16 @@ LEAST_LINES = 6  # of a layer in an ALN file: its file, a '#', four rows
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProjectLayer:
-    """One layer of a project: its file, its label (empty for the file's own), its matrix."""
+    """One layer of a project: its file, its label (empty for the file's own), its matrix.
+
+    A layer that is not ``visible`` is passed over by filters that work on visible layers.
+    """
 
     path: Path
     label: str
     matrix: Any  # (4, 4)
     index: int = -1  # which of the meshes in the file; -1 for all of them
+    visible: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,7 +117,13 @@ def _layer(path: Path, element: ElementTree.Element) -> ProjectLayer:
         index = int(element.get("idInFile", "-1"))
     except ValueError:
         index = -1
-    return ProjectLayer(_joined(path, name), element.get("label", ""), matrix, index)
+    label = element.get("label", "")
+    return ProjectLayer(_joined(path, name), label, matrix, index, _visible(element))
+
+
+def _visible(element: ElementTree.Element) -> bool:
+    """Say whether a layer is shown: to MeshLab, only a written 1 says so, or nothing written."""
+    return element.get("visible", "1").strip() == "1"
 
 
 def _joined(project: Path, name: str) -> Path:

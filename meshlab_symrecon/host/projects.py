@@ -17,16 +17,29 @@ from meshlab_symrecon.host.atomic import replacing
 from meshlab_symrecon.host.files import check_output, load, new_document, write_layer
 from meshlab_symrecon.host.native_filters import apply_native
 from meshlab_symrecon.host.notices import warn_user
-from meshlab_symrecon.host.project_files import Project, ProjectLayer, read_project
+from meshlab_symrecon.host.project_files import (
+    READABLE_PROJECTS,
+    Project,
+    ProjectLayer,
+    read_project,
+)
 from meshlab_symrecon.host.translation import translated
 
-__all__ = ["PROJECT", "layer_files", "load_layers", "load_project", "save_project"]
+__all__ = [
+    "PROJECT",
+    "files_of",
+    "layer_files",
+    "load_input",
+    "load_layers",
+    "load_project",
+    "save_project",
+]
 
 PROJECT = "mlp"  # extension
 
 
 def load_project(path: str | Path, mesh_set: Any = None) -> Any:
-    """Load the layers of a project with their labels and matrices, and its rasters.
+    """Load the layers of a project with their labels, matrices and visibility, and its rasters.
 
     Parameters
     ----------
@@ -52,6 +65,36 @@ def load_project(path: str | Path, mesh_set: Any = None) -> Any:
     mesh_set = new_document() if mesh_set is None else mesh_set
     load_layers(read_project(path), mesh_set)
     return mesh_set
+
+
+def load_input(path: Path, mesh_set: Any) -> None:
+    """Add the layers of a mesh's file, or of a project, to a document.
+
+    Raises
+    ------
+    FileError
+        As ``load``, or ``load_project``.
+    """
+    if _is_project(path):
+        load_project(path, mesh_set)
+    else:
+        load(path, mesh_set)
+
+
+def files_of(path: Path) -> tuple[Path, ...]:
+    """Return the files that an input consists of: itself, and the meshes that a project names.
+
+    Raises
+    ------
+    FileError
+        As ``read_project``.
+    """
+    layers = read_project(path).layers if _is_project(path) else ()
+    return (path, *(layer.path for layer in layers))
+
+
+def _is_project(path: Path) -> bool:
+    return path.suffix.removeprefix(".").lower() in READABLE_PROJECTS
 
 
 def load_layers(project: Project, mesh_set: Any) -> dict[int, Path]:
@@ -102,6 +145,7 @@ def _place(mesh_set: Any, identifier: int, layer: ProjectLayer, *, alone: bool) 
     if not np.array_equal(layer.matrix, np.eye(4)):
         mesh_set.set_current_mesh(identifier)
         apply_native(mesh_set, "set_matrix", {"transformmatrix": layer.matrix, "freeze": False})
+    mesh_set.set_mesh_visibility(identifier, layer.visible)
 
 
 def _load_rasters(project: Project, mesh_set: Any) -> None:

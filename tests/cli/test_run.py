@@ -11,6 +11,7 @@ import pytest
 from meshlab_symrecon.host.files import load
 from meshlab_symrecon.host.meshset import read_layer
 from meshlab_symrecon.host.mlx import read_script
+from meshlab_symrecon.host.projects import load_project
 from meshlab_symrecon.host.registration import registry
 from meshlab_symrecon.host.resolution import resolve_script
 
@@ -174,6 +175,85 @@ def test_all_layers_are_saved_as_a_project(run, statue, lopsided, tmp_path):
     result = run("run", tmp_path / "s.mlx", statue, lopsided, "-o", tmp_path / "all.mlp")
     assert result.exit_code == 0, result.stderr
     assert len(list(tmp_path.glob("all-*.ply"))) == 2
+
+
+def test_what_was_saved_as_a_project_is_an_input(run, statue, lopsided, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    move = (
+        '<filter name="set_matrix"><Param type="RichMatrix44f" name="TransformMatrix" val0="1" '
+        'val1="0" val2="0" val3="5" val4="0" val5="1" val6="0" val7="0" val8="0" val9="0" '
+        'val10="1" val11="0" val12="0" val13="0" val14="0" val15="1"/>'
+        '<Param type="RichBool" name="Freeze" value="false"/></filter>'
+    )
+    Path("move.mlx").write_text(f"<FilterScript>{move}</FilterScript>")
+    Path("last.mlx").write_text(
+        '<FilterScript><filter name="Change the current layer"><Param type="RichMesh" '
+        'name="mesh" value="1"/></filter></FilterScript>'
+    )
+    assert run("run", "move.mlx", statue, lopsided, "-o", "all.mlp").exit_code == 0
+    names = [path.name for path in (statue, lopsided)]
+    assert [mesh.label() for mesh in load_project("all.mlp")] == names
+    checked = run("check", "last.mlx", "all.mlp")
+    assert checked.exit_code == 0, checked.stdout
+    beyond = Path("last.mlx").read_text().replace('value="1"', 'value="2"')
+    Path("beyond.mlx").write_text(beyond)
+    checked = run("check", "beyond.mlx", "all.mlp")
+    assert checked.exit_code == 1
+    assert "the document has 2 layers" in checked.stdout
+    for options in ([], ["--isolate"]):
+        result = run("run", "last.mlx", "all.mlp", statue, "-o", "again.mlp", *options)
+        assert result.exit_code == 0, result.stderr
+        again = load_project("again.mlp")
+        assert [mesh.label() for mesh in again] == [*names, "statue 1(1).ply"]
+        shifts = [mesh.transform_matrix()[0, 3] for mesh in again]
+        assert shifts == [0.0, 5.0, 0.0]
+    result = run("run", "last.mlx", "all.mlp", "-o", "moved.ply")
+    assert result.exit_code == 0, result.stderr
+    documents = [load(path) for path in (lopsided, "moved.ply")]
+    before, after = (document.current_mesh().vertex_matrix() for document in documents)
+    np.testing.assert_allclose(after, before + np.array([5.0, 0.0, 0.0]), rtol=1e-12)
+
+
+def test_files_of_a_project_are_kept(run, statue, tmp_path):
+    script = tmp_path / "s.mlx"
+    script.write_text("<FilterScript/>")
+    assert run("run", script, statue, "-o", tmp_path / "a.mlp").exit_code == 0
+    (mesh,) = tmp_path.glob("a-*.ply")
+    before = mesh.read_bytes()
+    for words in (["-o", mesh], ["-o", tmp_path / "a.mlp"], ["-o", "x.ply", "--json", mesh]):
+        result = run("run", script, tmp_path / "a.mlp", *words)
+        assert result.exit_code == 1
+        assert "would overwrite" in result.stderr
+    result = run("check", script, tmp_path / "a.mlp", "--json", mesh)
+    assert result.exit_code == 1
+    assert "would overwrite" in result.stderr
+    mesh.rename(tmp_path / "gone.ply")
+    for command in (
+        ["run", script, tmp_path / "a.mlp", "-o", mesh],
+        ["check", script, tmp_path / "a.mlp"],
+    ):
+        result = run(*command)
+        assert result.exit_code == 1
+        assert "names 1 mesh files that are not there" in result.stderr
+    assert (tmp_path / "gone.ply").read_bytes() == before
+
+
+@pytest.mark.parametrize("isolated", [[], ["--isolate"]])
+def test_a_script_may_make_the_first_layer(run, tmp_path, isolated):
+    script = tmp_path / "s.mlx"
+    script.write_text('<FilterScript><filter name="Box/Cube"/></FilterScript>')
+    result = run("run", script, "-o", tmp_path / "a.ply", *isolated)
+    assert result.exit_code == 0, result.stderr
+    assert load(tmp_path / "a.ply").current_mesh().face_number() == 12
+    script.write_text('<FilterScript><filter name="Close Holes"/></FilterScript>')
+    result = run("run", script, "-o", tmp_path / "b.ply", *isolated)
+    assert result.exit_code == 1
+    assert "s.mlx:1: 'Close Holes' needs a layer" in result.stderr
+    script.write_text("<FilterScript/>")
+    result = run("run", script, "-o", tmp_path / "b.ply", *isolated)
+    assert result.exit_code == 1
+    assert "the document is empty" in result.stderr
+    assert not (tmp_path / "b.ply").exists()
 
 
 @pytest.mark.parametrize("words", [["a.mlx"], ["a.mlx", "b.ply"], []])

@@ -379,6 +379,19 @@ def test_projects_in_and_out(serve, place):
     assert counts("cube.ply") == [(8, 12)]
 
 
+def test_hidden_layers_are_not_merged(serve, place):
+    written = project(place).read_text()
+    (place / "p.mlp").write_text(written.replace('label="a"', 'label="a" visible="0"'))
+    script(place / "s.mlx", '<filter name="Flatten Visible Layers"/>\n')
+    code, _, err = serve("-p", "p.mlp", "-s", "s.mlx", "-o", "a.ply", "-w", "o.mlp")
+    assert code == 0, err
+    hidden, shown = counts("cube.ply"), counts("ball 1.PLY")
+    assert counts("a.ply") == shown
+    written = load_project(place / "o.mlp")
+    assert [mesh.is_visible() for mesh in written] == [False, True]
+    assert written.mesh(0).vertex_number() == hidden[0][0]
+
+
 def test_x_overwrites_the_files_of_the_layers(serve, place):
     script(place / "s.mlx", CUT.format(faces=200))
     code, _, err = serve("-i", "cube.ply", "ball 1.PLY", "-s", "s.mlx", "-w", "o.mlp", "-x")
@@ -448,7 +461,40 @@ def test_dry_run_does_nothing(serve, place):
     for word in ("cube.ply", "copy.mlx: 1 step", "a.ply", "o.mlp", "log.txt", "list.txt", "r.json"):
         assert word in out
     assert names(place) == before
+    assert "copy.mlx: 1 step would run" in out
     assert serve("-i", "none.ply", "-o", "a.ply", "--dry-run")[0] == 1
+
+
+@pytest.mark.parametrize("dry", [[], ["--dry-run"]])
+def test_all_scripts_are_checked_in_a_row_on_what_was_loaded(serve, place, dry):
+    """The second script needs what the first does not make, or does."""
+    script(place / "cut.mlx", CUT.format(faces=4))
+    script(place / "third.mlx", SELECT_LAYER.format(layer=2), COPY)
+    words = ["-i", "cube.ply", "-o", "a.ply", *dry]
+    assert serve("-s", "copy.mlx", "-s", "copy.mlx", "-s", "third.mlx", *words)[0] == 0
+    before = names(place)
+    code, out, err = serve("-s", "cut.mlx", "-s", "copy.mlx", "-s", "third.mlx", *words)
+    assert code == 1
+    assert "error: third.mlx:3: " in err
+    assert "the document has 2 layers at this step" in err
+    assert "ran" not in out
+    assert names(place) == before
+
+
+def test_dry_run_reads_the_inputs(serve, place):
+    (place / "bad.ply").write_text("ply\nnothing\n")
+    code, _, err = serve("-i", "bad.ply", "-o", "a.ply", "--dry-run")
+    assert code == 1
+    assert "bad.ply is damaged" in err
+    code, _, err = serve("-i", "cube.ply", "-o", "a.ply", "-l", "1", "--dry-run")
+    assert code == 1
+    assert "there is no layer 1 (-l); the document has layers 0 to 0" in err
+    script(place / "s.mlx", SELECT_LAYER.format(layer=5))
+    words = ["-i", "cube.ply", "-s", "copy.mlx", "s.mlx", "-o", "a.ply", "--dry-run"]
+    assert serve(*words)[0] == 1
+    code, out, err = serve(*words, "--lenient")
+    assert (code, err) == (0, "")
+    assert "    s.mlx:3: parameter 'mesh' must be the position of a layer" in out
 
 
 def test_report(serve, place):

@@ -14,7 +14,7 @@ from meshlab_symrecon.host.atomic import replacing
 from meshlab_symrecon.host.baking import bake_layer
 from meshlab_symrecon.host.export import export_layer, write_all
 from meshlab_symrecon.host.files import load, new_document
-from meshlab_symrecon.host.mask import SAVED, save_options
+from meshlab_symrecon.host.mask import SAVED, TEXT, save_options
 from meshlab_symrecon.host.meshset import read_layer
 
 SHEARED = np.array([[2, 0.3, 0, 1], [0, 1, 0.1, -2], [0, 0, 0.5, 3e-7], [0, 0, 0, 1]])
@@ -125,8 +125,13 @@ def test_clouds_are_no_stl_and_loose_points_are_told(tmp_path):
     assert sorted(file.name for file in tmp_path.iterdir()) == ["b.stl", "b.xyz"]
 
 
+# The writer of 3DS tells by itself; the reader of CTM crashes too easily to be asked.
+CHECKED = [name for name in SAVED if name not in ("3ds", "ctm")]
+
+
 @pytest.mark.parametrize(
-    ("extension", "cut"), [("ply", 0.0), ("wrl", 0.0), ("wrl", 0.5), ("dae", 0.5), ("xyz", 0.0)]
+    ("extension", "cut"),
+    [*((extension, cut) for extension in CHECKED for cut in (0.5, 0.999)), ("ply", 0), ("xyz", 0)],
 )
 @pytest.mark.filterwarnings("ignore::meshlab_symrecon.errors.SymReconWarning")
 def test_a_writer_that_does_not_finish_leaves_what_was_there(tmp_path, monkeypatch, extension, cut):
@@ -146,6 +151,9 @@ def test_a_writer_that_does_not_finish_leaves_what_was_there(tmp_path, monkeypat
 
     with pytest.raises(FileError, match="check free space"):
         export_layer(Unfinished(), 0, path, save_options(extension, ()))
+    if extension in ("ply", "stl"):
+        with pytest.raises(FileError, match="check free space"):
+            export_layer(Unfinished(), 0, path, save_options(extension, {TEXT}))
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
     assert Path.cwd() == before

@@ -17,7 +17,7 @@ import pytest
 from meshlab_symrecon.arrays import as_points
 from meshlab_symrecon.errors import FileError, SymReconError, SymReconWarning
 from meshlab_symrecon.host import files, inspection
-from meshlab_symrecon.host.atomic import replacing, same_file
+from meshlab_symrecon.host.atomic import remove_dead_staging, replacing, same_file
 from meshlab_symrecon.host.files import (
     READABLE,
     WRITABLE,
@@ -377,6 +377,65 @@ def test_files_beside_the_named_one_come_along(tmp_path):
     }
 
 
+def child(program, *words):
+    """Run a program in a process of its own; return its number once it has ended."""
+    ended = subprocess.run(
+        [sys.executable, "-c", f"import os; print(os.getpid())\n{program}", *words],
+        capture_output=True, text=True,
+    )  # fmt: skip
+    return int(ended.stdout.split()[0])
+
+
+KILLED = """
+import sys
+from pathlib import Path
+from meshlab_symrecon.host.atomic import replacing
+with replacing(Path(sys.argv[1])) as staged:
+    staged.write_text("half")
+    sys.stdout.flush()
+    os.abort()
+"""
+
+
+def test_what_a_dead_process_left_is_removed_and_nothing_else(tmp_path):
+    target = tmp_path / "a.txt"
+    dead = child(KILLED, str(target))
+    (left,) = tmp_path.iterdir()
+    assert left.name.startswith(f".symrecon-{dead}-")
+    elsewhere = tmp_path / f".symrecon-{dead}-0000abcd-xyz"  # of another machine
+    elsewhere.mkdir()
+    foreign = tmp_path / ".symrecon-notes"
+    foreign.mkdir()
+    with replacing(tmp_path / "b.txt") as ours:
+        ours.write_text("b")
+        assert not left.exists()
+        with replacing(target) as other:  # and does not take ours for one
+            other.write_text("a")
+        assert ours.exists()
+    stay = {elsewhere.name, foreign.name, "a.txt", "b.txt"}
+    assert {file.name for file in tmp_path.iterdir()} == stay
+
+
+def test_another_users_process_is_alive(tmp_path, monkeypatch):
+    dead = child(KILLED, str(tmp_path / "a.txt"))
+    (left,) = tmp_path.iterdir()
+
+    def refused(process, number):
+        assert (process, number) == (dead, 0)
+        raise PermissionError
+
+    with monkeypatch.context() as patched:
+        patched.setattr("os.kill", refused)
+        remove_dead_staging(tmp_path)
+        assert left.exists()
+        patched.setattr("os.name", "nt")
+        patched.setattr("os.kill", None)
+        remove_dead_staging(tmp_path)
+    assert left.exists()
+    remove_dead_staging(tmp_path)
+    assert not left.exists()
+
+
 def test_names_of_one_file_are_recognised(tmp_path):
     here = tmp_path / "a.ply"
     assert same_file(here, tmp_path / "b" / ".." / "a.ply")
@@ -396,7 +455,10 @@ except FileError as error:
 """
 
 
-@pytest.mark.parametrize("extension", ["ply", "obj", "off", "stl", "xyz", "dae", "x3d"])
+SURVIVED = [name for name in WRITABLE if name not in ("3mf", "e57")]  # these abort the process
+
+
+@pytest.mark.parametrize("extension", SURVIVED)
 def test_a_full_disk_leaves_the_old_file(tmp_path, extension):
     """A limit on the size of files stands in for the disk."""
     mesh_set = new_document()

@@ -9,11 +9,16 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 import pytest
+import survival_inputs as inputs
 
 from meshlab_symrecon.errors import FileError, HostError, ScriptError, SymReconWarning
 from meshlab_symrecon.host.atomic import remove_staging, replacing
 from meshlab_symrecon.host.file_job import run_on_files
+from meshlab_symrecon.host.files import load
 from meshlab_symrecon.host.filter_script import FilterScript
+from meshlab_symrecon.host.mlx import Script
+from meshlab_symrecon.host.projects import save_project
+from meshlab_symrecon.host.trial import try_script
 from meshlab_symrecon.plugin.filter import silent
 
 PLUGIN = Path(__file__).parents[1] / "foreign_plugin" / "crashing_filter.py"
@@ -145,3 +150,87 @@ def test_a_script_on_an_empty_document_is_tried_as_well(tmp_path):
     assert mesh_set.current_mesh().vertex_number() == 8
     with pytest.raises(ScriptError, match="step 1: 'Close Holes' needs a layer"):
         FilterScript().with_step("Close Holes").run(pymeshlab.MeshSet(verbose=False), isolate=True)
+
+
+def marked_sphere():
+    mesh_set = pymeshlab.MeshSet(verbose=False)
+    mesh_set.create_sphere(subdiv=2)
+    mesh_set.compute_new_custom_scalar_attribute_per_vertex(name="mine", expr="x")
+    mesh_set.compute_new_custom_scalar_attribute_per_face(name="ours", expr="x0")
+    mesh_set.compute_selection_by_condition_per_face(condselect="x0 > 0")
+    mesh_set.compute_selection_by_condition_per_vertex(condselect="x > 0")
+    return mesh_set
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("compute_scalar_by_function_per_vertex", {"q": "mine*2"}),
+        ("compute_scalar_by_function_per_face", {"q": "ours*2"}),
+        ("compute_matrix_by_fitting_to_plane", {}),
+        ("generate_polyline_from_selection_perimeter", {}),
+    ],
+)
+def test_the_copy_has_attributes_and_selections(crashing_plugin, name, values):
+    """The crash behind the step is reached only when the step has what it needs."""
+    mesh_set = marked_sphere()
+    script = FilterScript().with_step(name, **values)
+    crashing = script.with_step("create_cube").with_step("get_crash")
+    with pytest.raises(HostError, match=r"step \d: .* by SIGSEGV"):
+        try_script(mesh_set, Script(crashing.path, crashing.steps), lenient=False, progress=silent)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", SymReconWarning)
+        report = script.run(mesh_set, isolate=True)
+    assert [step.status for step in report.steps] == ["ran"]
+
+
+def test_the_copy_has_textures(tmp_path, crashing_plugin):
+    inputs.png(tmp_path / "a.png", 0)
+    (tmp_path / "in.mtl").write_text("newmtl stone\nmap_Kd a.png\n")
+    (tmp_path / "in.obj").write_text(
+        "mtllib in.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\n"
+        "usemtl stone\nf 1/1 2/2 3/3\n"
+    )
+    mesh_set = load(tmp_path / "in.obj")
+    script = FilterScript().with_step("transfer_texture_to_color_per_vertex")
+    crashing = script.with_step("create_cube").with_step("get_crash")
+    with pytest.raises(HostError, match=r"step \d: .* by SIGSEGV"):
+        try_script(mesh_set, Script(crashing.path, crashing.steps), lenient=False, progress=silent)
+    script.run(mesh_set, isolate=True)
+    assert mesh_set.mesh(0).has_vertex_color()
+
+
+def test_an_empty_layer_does_not_keep_a_script_from_being_tried(crashing_plugin):
+    mesh_set = marked_sphere()
+    mesh_set.create_cube()
+    mesh_set.set_selection_all()
+    mesh_set.meshing_remove_selected_vertices()
+    crashing = FilterScript().with_step("create_cube").with_step("get_crash")
+    with pytest.raises(HostError, match=r"step \d: .* by SIGSEGV"):
+        try_script(mesh_set, Script(crashing.path, crashing.steps), lenient=False, progress=silent)
+
+
+def test_what_fails_on_the_copy_alone_is_no_error(monkeypatch):
+    """A copy that cannot be written or read is told; what fails on it is not."""
+    mesh_set = marked_sphere()
+    script = FilterScript().with_step("compute_scalar_by_function_per_vertex", q="mine*2")
+
+    def without_attributes(mesh_set, path):
+        plain = pymeshlab.MeshSet(verbose=False)
+        plain.create_cube()
+        save_project(plain, path)
+
+    def damaged(mesh_set, path):
+        path.write_text("no project")
+
+    def refused(mesh_set, path):
+        raise FileError("no room")
+
+    monkeypatch.setattr("meshlab_symrecon.host.trial.save_project", without_attributes)
+    assert script.run(mesh_set, isolate=True).steps[0].status == "ran"
+    monkeypatch.setattr("meshlab_symrecon.host.trial.save_project", damaged)
+    with pytest.warns(SymReconWarning, match="was not tried on a copy .* cannot be read"):
+        script.run(mesh_set, isolate=True)
+    monkeypatch.setattr("meshlab_symrecon.host.trial.save_project", refused)
+    with pytest.warns(SymReconWarning, match="was not tried on a copy of the document: no room"):
+        assert script.run(mesh_set, isolate=True).steps[0].status == "ran"

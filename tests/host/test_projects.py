@@ -17,7 +17,7 @@ from meshlab_symrecon.errors import FileError, SymReconWarning
 from meshlab_symrecon.host.files import load, new_document
 from meshlab_symrecon.host.project_copy import copied_files, save_project_copy
 from meshlab_symrecon.host.project_files import read_project
-from meshlab_symrecon.host.projects import load_layers, load_project
+from meshlab_symrecon.host.projects import load_layers, load_project, save_project
 
 MOVED = np.array(
     [[0.0, -2, 0, 1.123456789123], [1, 0, 0, -3e-7], [0, 0, 1, 12345.678], [0, 0, 0, 1]]
@@ -297,6 +297,29 @@ def test_copies_keep_matrices_attributes_and_labels(write, folder):
     native = pymeshlab.MeshSet(verbose=False)
     native.load_project(str(folder / "b.mlp"))
     assert shown(native) == shown(mesh_set)
+
+
+@pytest.mark.parametrize("word", ["0", "1", "true", "", None])
+def test_layers_are_hidden_as_in_pymeshlab(write, folder, word):
+    path = write(CUBE, SPHERE)
+    written = "" if word is None else f'visible="{word}" '
+    path.write_text(path.read_text().replace('visible="1" ', written, 1))
+    native = pymeshlab.MeshSet(verbose=False)
+    native.load_project(str(path))
+    mesh_set = load_project(path)
+    seen = [mesh.is_visible() for mesh in native]
+    assert seen == [word in ("1", None), True]
+    assert [mesh.is_visible() for mesh in mesh_set] == seen
+    files = {0: folder / "c.ply", 1: folder / "s.ply"}
+    save_project_copy(mesh_set, folder / "b.mlp", files)
+    save_project(mesh_set, folder / "d.mlp")
+    for name in ("b.mlp", "d.mlp"):
+        again = load_project(folder / name)
+        assert [mesh.is_visible() for mesh in again] == seen
+    mesh_set.generate_by_merging_visible_meshes(deletelayer=False)
+    native.generate_by_merging_visible_meshes(deletelayer=False)
+    assert mesh_set.current_mesh().vertex_number() == 8 * seen[0] + 42
+    assert native.current_mesh().vertex_number() == 8 * seen[0] + 42
 
 
 def test_a_copy_that_fails_leaves_nothing(write, folder):
