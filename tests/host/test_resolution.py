@@ -247,6 +247,19 @@ HERE = "scan.mlx:7: "
             {"angledegneg": -45.0, "angledegpos": 45.0},
             [None, HERE + "parameter 'AngleDeg' is 'angledegneg' -45 and 'angledegpos' 45 today"],
         ),
+        *(
+            (
+                f"Simplification: Quadric Edge Collapse Decimation{textured}",
+                [param("PlanarSimplification", "true")],
+                f"meshing_decimation_quadric_edge_collapse{textured and '_with_texture'}",
+                {},
+                [
+                    HERE + "parameter 'PlanarSimplification' ignored: MeshLab has no such "
+                    "parameter; 'PlanarQuadric' has that label"
+                ],
+            )
+            for textured in ("", " (with texture)")
+        ),
         (
             "Convex Hull",
             [param("reorient", "true")],
