@@ -23,8 +23,8 @@ from models import Model, scan
 from scipy.spatial import cKDTree
 
 from meshlab_symrecon import SymReconWarning, apply_filter
-from meshlab_symrecon.cli.method import whole_method
 from meshlab_symrecon.geometry.surfaces import topology
+from meshlab_symrecon.host.reconstruction import whole_method
 
 NEAR = 0.01  # diagonals
 SAMPLES = 100_000  # of either surface

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from meshlab_symrecon.cli.method import PLANES, SCAN, Reconstruction, noted
 from meshlab_symrecon.errors import GeometryError
+from meshlab_symrecon.host.reconstruction import PLANES, SCAN, Reconstruction, noted
 
 if TYPE_CHECKING:
     from meshlab_symrecon.arrays import Floats

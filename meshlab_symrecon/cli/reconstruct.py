@@ -9,14 +9,16 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from meshlab_symrecon import __version__
-from meshlab_symrecon.cli.method import LABELS, Reconstruction, parameters_as_run, whole_method
 from meshlab_symrecon.cli.progress import progress_bar
 from meshlab_symrecon.errors import SymReconError
+
+if TYPE_CHECKING:
+    from meshlab_symrecon.host.reconstruction import Reconstruction
 
 __all__ = ["reconstruct"]
 
@@ -95,6 +97,7 @@ def reconstruct(
     what was measured.
     """
     from meshlab_symrecon.host.files import save_current
+    from meshlab_symrecon.host.reconstruction import whole_method
 
     started = time.perf_counter()
     outputs = Outputs(output, project, json_path, preview, report)
@@ -117,6 +120,7 @@ def _check_outputs(scan: Path, outputs: Outputs) -> None:
     """Refuse every bad output path before the work starts."""
     from meshlab_symrecon.host.files import check_output
     from meshlab_symrecon.host.projects import PROJECT, layer_files
+    from meshlab_symrecon.host.reconstruction import LABELS
 
     check_output(outputs.surface, [scan])
     used = [scan, outputs.surface]
@@ -233,6 +237,7 @@ def as_data(
     from importlib.metadata import version
 
     from meshlab_symrecon.cli.reports import detection
+    from meshlab_symrecon.host.reconstruction import parameters_as_run
 
     completed = dict(result.completed)
     return {

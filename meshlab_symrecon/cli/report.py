@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from meshlab_symrecon.cli.method import COMPLETED, SCAN, SURFACE, Reconstruction
+from meshlab_symrecon.host.reconstruction import COMPLETED, SCAN, SURFACE, Reconstruction
 
 if TYPE_CHECKING:
     from meshlab_symrecon.pictures.report_scene import ReportScene

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from meshlab_symrecon.cli.method import Reconstruction
 from meshlab_symrecon.host.history import Step, read_history
 from meshlab_symrecon.host.native_filters import find_native
+from meshlab_symrecon.host.reconstruction import Reconstruction
 from meshlab_symrecon.host.registration import registry
 from meshlab_symrecon.pictures.report import Listing, Section, Table
 from meshlab_symrecon.plugin import Filter

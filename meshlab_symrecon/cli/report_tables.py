@@ -15,10 +15,10 @@ import numpy as np
 from meshlab_symrecon import __version__
 from meshlab_symrecon.arrays import Floats
 from meshlab_symrecon.cli.deviation import Deviation
-from meshlab_symrecon.cli.method import Reconstruction
 from meshlab_symrecon.cli.unfilled import holes, place, width
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.atomic import reason
+from meshlab_symrecon.host.reconstruction import Reconstruction
 from meshlab_symrecon.pictures.report import Table
 from meshlab_symrecon.pictures.report_scene import ReportScene
 

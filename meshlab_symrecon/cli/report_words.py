@@ -8,7 +8,6 @@ from typing import Any
 
 from meshlab_symrecon import __version__
 from meshlab_symrecon.cli.deviation import Deviation
-from meshlab_symrecon.cli.method import Reconstruction
 from meshlab_symrecon.cli.report_recipe import recipe, steps
 from meshlab_symrecon.cli.report_tables import (
     counted,
@@ -20,6 +19,7 @@ from meshlab_symrecon.cli.report_tables import (
 )
 from meshlab_symrecon.cli.reports import detection
 from meshlab_symrecon.cli.unfilled import holes, left_alone, place, width
+from meshlab_symrecon.host.reconstruction import Reconstruction
 from meshlab_symrecon.pictures.report import ReportWords, Section
 from meshlab_symrecon.pictures.report_scene import ReportScene
 

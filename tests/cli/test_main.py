@@ -89,7 +89,7 @@ INTERRUPTED = """
 import sys, time
 from meshlab_symrecon.cli import reconstruct
 from meshlab_symrecon.cli.main import main
-from meshlab_symrecon.host import files
+from meshlab_symrecon.host import files, reconstruction
 
 real = files.write_layer
 
@@ -99,7 +99,7 @@ def slow(*given):
     time.sleep(60)
 
 files.write_layer = slow
-reconstruct.whole_method = lambda scan, seed, progress: reconstruct.Reconstruction(
+reconstruction.whole_method = lambda scan, seed, progress: reconstruction.Reconstruction(
     files.load(scan), {}, 0, {}, {}, {}
 )
 main(sys.argv[1:])

@@ -12,10 +12,11 @@ import pytest
 
 import meshlab_symrecon
 from meshlab_symrecon.cli import reconstruct as command
-from meshlab_symrecon.cli.method import DETECT
 from meshlab_symrecon.errors import GeometryError
+from meshlab_symrecon.host import reconstruction
 from meshlab_symrecon.host.files import load
 from meshlab_symrecon.host.meshset import read_layer
+from meshlab_symrecon.host.reconstruction import DETECT
 from meshlab_symrecon.host.registration import load_plugins, unload_plugins
 from meshlab_symrecon.pictures import main_job
 from meshlab_symrecon.provenance import colours_by_share
@@ -182,7 +183,9 @@ def test_without_a_plane_it_closes_what_was_measured(shell, lopsided, tmp_path):
 )
 def test_bad_outputs_are_refused_before_the_work(run, statue, tmp_path, monkeypatch, extra, words):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(command, "whole_method", lambda *given: pytest.fail("the work started"))
+    monkeypatch.setattr(
+        reconstruction, "whole_method", lambda *given: pytest.fail("the work started")
+    )
     before = statue.read_bytes()
     result = run("reconstruct", statue, *(word.format(scan=statue) for word in extra))
     assert result.exit_code == 1
@@ -234,7 +237,9 @@ def test_a_missing_library_is_named_first(
     run, statue, tmp_path, monkeypatch, option, name, library
 ):
     monkeypatch.setattr(command, "find_spec", lambda asked: None if asked == library else asked)
-    monkeypatch.setattr(command, "whole_method", lambda *given: pytest.fail("the work started"))
+    monkeypatch.setattr(
+        reconstruction, "whole_method", lambda *given: pytest.fail("the work started")
+    )
     result = run("reconstruct", statue, "-o", tmp_path / "a.ply", option, tmp_path / name)
     assert result.exit_code == 1
     assert f"{option} needs {library}, which is not installed" in result.stderr
@@ -246,7 +251,7 @@ def test_an_error_in_the_middle_leaves_nothing(run, statue, tmp_path, monkeypatc
     def fail(*given):
         raise GeometryError("4 points are needed; got 3; scan again")
 
-    monkeypatch.setattr(command, "whole_method", fail)
+    monkeypatch.setattr(reconstruction, "whole_method", fail)
     result = run("reconstruct", statue, "-o", tmp_path / "a.ply", "--json", tmp_path / "a.json")
     assert result.exit_code == 1
     assert result.stderr == "error: 4 points are needed; got 3; scan again\n"

@@ -19,16 +19,22 @@ import numpy as np
 import pytest
 
 from meshlab_symrecon.cli import deviation as measuring
-from meshlab_symrecon.cli import reconstruct as command
 from meshlab_symrecon.cli.deviation import DEVIATION, Deviation, measured_deviation
-from meshlab_symrecon.cli.method import PLANES, SCAN, noted, parameters_as_run, whole_method
 from meshlab_symrecon.cli.report import scene_of, write_report
 from meshlab_symrecon.cli.report_tables import _value, percent, rounded
 from meshlab_symrecon.cli.report_words import words_of
 from meshlab_symrecon.errors import FileError, GeometryError, SymReconWarning
+from meshlab_symrecon.host import reconstruction
 from meshlab_symrecon.host.files import load, new_document
 from meshlab_symrecon.host.history import read_history
 from meshlab_symrecon.host.meshset import add_layer, read_layer
+from meshlab_symrecon.host.reconstruction import (
+    PLANES,
+    SCAN,
+    noted,
+    parameters_as_run,
+    whole_method,
+)
 from meshlab_symrecon.host.registration import registry
 from meshlab_symrecon.pictures import report_stills
 
@@ -313,7 +319,7 @@ def test_a_scan_that_vanishes_is_one_sentence(result, tmp_path):
 def test_a_folder_that_cannot_be_written_is_one_sentence(
     run, statue, result, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(command, "whole_method", lambda *given: result)
+    monkeypatch.setattr(reconstruction, "whole_method", lambda *given: result)
     page = tmp_path / "no" / "r.html"
     page.parent.mkdir()
     make = tempfile.mkdtemp

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from meshlab_symrecon.cli.deviation import Deviation
-from meshlab_symrecon.cli.method import whole_method
 from meshlab_symrecon.cli.reconstruct import in_words
 from meshlab_symrecon.cli.report import scene_of
 from meshlab_symrecon.cli.report_words import words_of
 from meshlab_symrecon.cli.unfilled import holes, left_alone, place, width
 from meshlab_symrecon.host.files import load, new_document, save_current
 from meshlab_symrecon.host.meshset import add_layer
+from meshlab_symrecon.host.reconstruction import whole_method
 from meshlab_symrecon.plugin import Layer
 
 TWO = np.array([[10.0, 20.0, -30.0, 0.84], [512345.678, 4.0, 5.0, 0.0421]])

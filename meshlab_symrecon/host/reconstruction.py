@@ -10,6 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.errors import SymReconWarning
+from meshlab_symrecon.host.files import load
+from meshlab_symrecon.host.meshset import current_identifier
+from meshlab_symrecon.host.registration import apply_filter, registry
 
 __all__ = [
     "CLOSE",
@@ -82,9 +85,6 @@ def noted() -> Iterator[list[str]]:
 def _run_all(
     scan: Path, settings: Mapping[str, Any], progress: Callable[[float, str], None]
 ) -> Reconstruction:
-    from meshlab_symrecon.host.files import load
-    from meshlab_symrecon.host.meshset import current_identifier
-
     progress(0.0, f"reading {scan.name}")
     mesh_set = load(scan)
     layers = {SCAN: current_identifier(mesh_set)}
@@ -106,8 +106,6 @@ def _runner(
     mesh_set: Any, settings: Mapping[str, Any], progress: Callable[[float, str], None]
 ) -> Callable[[str, str], Mapping[str, Any]]:
     """Return a function that runs one filter with its defaults and the settings."""
-    from meshlab_symrecon.host.registration import apply_filter
-
     done = 0.0
 
     def run(name: str, title: str) -> Mapping[str, Any]:
@@ -128,8 +126,6 @@ def _runner(
 
 def _set(name: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return the settings that a filter has a parameter for."""
-    from meshlab_symrecon.host.registration import registry
-
     declared = registry().find(name).parameters.declared() if name in registry() else ()
     names = {parameter.name for parameter in declared}
     return {key: value for key, value in settings.items() if key in names}
@@ -141,8 +137,6 @@ def _newest(mesh_set: Any) -> int:
 
 def parameters_as_run(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return the settings, and every parameter of each of our filters as it ran."""
-    from meshlab_symrecon.host.registration import registry
-
     bound = {
         name: registry().find(name).bind(_set(name, settings)).values()
         for name in (DETECT, COMPLETE, CLOSE)
