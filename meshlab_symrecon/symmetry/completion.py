@@ -24,6 +24,7 @@ from meshlab_symrecon.errors import GeometryError, ParameterError
 from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions, signed_distances
 from meshlab_symrecon.geometry.sampling import principal_frame
+from meshlab_symrecon.one_thread import in_one_thread
 from meshlab_symrecon.symmetry.asymmetry import asymmetry_field
 from meshlab_symrecon.symmetry.copying import off_lopsided_plinth, on_surface, standing_plane
 from meshlab_symrecon.symmetry.filling import (
@@ -65,6 +66,7 @@ class CompletedPoints:
     open_rims: Floats  # (k, 4)  centre and width of holes missing on both sides, widest first
 
 
+@in_one_thread
 def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     points: ArrayLike,
     planes: ArrayLike,
