@@ -18,9 +18,9 @@ __all__ = ["FEWEST", "check_most", "even_points", "thin_current"]
 
 FEWEST = 100  # points that are left at least: with fewer no statue is to be recognised
 PROBE = 100_000  # points on which the size of a cell is guessed
-TRIES = 12
+TRIES = 60
 CLOSE = 0.995  # share of the points asked for that is close enough
-FINEST = 2.0**-40  # of the box: cells so small that each holds one place
+FINEST = 2.0**-60  # of the box: beyond it, cells are too many to be numbered
 KEY_LIMIT = 1 << 62
 MIXER = np.uint64(0x9E3779B97F4A7C15)  # 2^64 / golden ratio, odd: spreads bits upwards
 
@@ -180,7 +180,7 @@ def _search(points: Points, low: Floats, widest: float, most: int, start: float)
         wanted = float(np.log(most * (1.0 + CLOSE) / 2.0))
         size = float(np.exp(here[0] + (wanted - here[1]) / law))
         if not small < size < large:
-            size = float(np.sqrt(small * large))
+            size = float(np.sqrt(small) * np.sqrt(large))
     return large
 
 
