@@ -2,6 +2,7 @@
 # make bench: time, memory and quality of the Power Crust beside its peers.
 # make sdist, make wheel: what is released, in dist/, and checked.
 # make test-oldest: every test with the oldest version of each dependency (OLDEST_PYTHON=python3.10).
+# make sanitize: the kernel's tests, on a build that stops at wrong addresses and undefined operations.
 # make gallery: the pictures of the documents (some need Chromium, or SYMRECON_DATA).
 # Needs Python 3.10 or newer, a C++17 compiler and make; everything else goes into .venv.
 PYTHON ?= python3
@@ -13,7 +14,12 @@ OLDEST_PYTHON ?= python3.10
 OLDEST := $(VENV)/oldest
 RELEASE := $(VENV)/release
 
-.PHONY: demo test lint unit bench docs gallery sdist wheel test-oldest clean
+SANITIZED := build/sanitize
+# The tests of the kernel and the algorithms; pymeshlab is no part of them.
+KERNEL_TESTS := tests/geometry tests/clustering tests/symmetry tests/powercrust tests/test_arrays.py \
+  tests/test_native_types.py
+
+.PHONY: demo test lint unit bench sanitize docs gallery sdist wheel test-oldest clean
 
 demo: $(VENV)/installed
 	mkdir -p $(DEMO)
@@ -39,6 +45,24 @@ unit: $(VENV)/installed-dev
 
 bench: $(VENV)/installed-dev
 	$(BIN)/python benchmarks/power_crust.py
+
+# The sanitized package shadows the installed one. Leaks are not looked for: Python leaves memory behind on purpose.
+# Python's own allocator would hide what is read behind an array, so memory comes from the sanitizer's.
+# The sanitizer needs the C++ library beside it, which Python alone does not load.
+SANITIZE := LD_PRELOAD="$(shell g++ -print-file-name=libasan.so) $(shell g++ -print-file-name=libstdc++.so)" \
+  ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
+  PYTHONMALLOC=malloc OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 PYTHONPATH=$(CURDIR)/$(SANITIZED)/site
+
+sanitize: $(SANITIZED)/installed
+	cd $(SANITIZED) && $(SANITIZE) $(abspath $(BIN))/python -c \
+	  "from meshlab_symrecon import _native; assert '$(SANITIZED)' in _native.__file__, _native.__file__"
+	$(SANITIZE) $(BIN)/pytest -q $(KERNEL_TESTS)
+
+$(SANITIZED)/installed: $(SOURCES) $(VENV)/installed-dev
+	rm -rf $(SANITIZED)/site
+	CXX=g++ $(BIN)/pip install --quiet --disable-pip-version-check --no-deps --target $(SANITIZED)/site \
+	  -C cmake.define.SYMRECON_SANITIZE=ON -C cmake.build-type=RelWithDebInfo -C build-dir=$(SANITIZED)/cmake .
+	touch $@
 
 docs: $(VENV)/installed-dev
 	$(BIN)/symrecon filters --pages docs
