@@ -16,15 +16,17 @@ import subprocess
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
 import pymeshlab
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.errors import HostError, SymReconError, SymReconWarning
-from meshlab_symrecon.host.atomic import remove_staging
+from meshlab_symrecon.host.atomic import remove_staging, staging_prefix
+from meshlab_symrecon.host.interruption import guarded_child
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.plugin import Progress
 
@@ -59,7 +61,7 @@ def isolated(
     function: Callable[..., Any],
     *arguments: Any,
     progress: Progress,
-    folders: Iterable[Path] = (),
+    folders: Sequence[Path] = (),
 ) -> Any:
     """Call ``function(*arguments, progress=...)`` in a child process; return what it returns.
 
@@ -69,7 +71,7 @@ def isolated(
         At the top of a module; it, its arguments and its result are pickled.
     progress : callable
         Told what the child tells.
-    folders : iterable of Path
+    folders : sequence of Path
         Where the child writes: what a crash leaves half-written there is removed.
 
     Raises
@@ -87,15 +89,17 @@ def isolated(
     with tempfile.TemporaryDirectory(prefix="symrecon-") as folder:
         Path(folder, JOB).write_bytes(pickle.dumps((function, arguments)))
         child = subprocess.Popen(  # noqa: S603  our own interpreter, our own program
-            [sys.executable, "-c", CHILD, folder],
+            [sys.executable, "-c", CHILD, folder, str(os.getpid())],
             stdout=subprocess.PIPE,
             text=True,
             encoding="utf-8",
             env=os.environ | {"PYTHONSAFEPATH": "1"},  # a numpy.py in the folder here is not ours
+            start_new_session=True,  # a terminal's Ctrl-C is for us; we end the child
         )
         try:
-            doing = _listened(child.stdout, progress)
-            code = child.wait()
+            with guarded_child(child.pid, folders, staging_prefix(child.pid)):
+                doing = _listened(child.stdout, progress)
+                code = child.wait()
         finally:
             child.kill()
             child.wait()
@@ -140,8 +144,10 @@ def _reduced_box(box: Any) -> tuple[type[Box], tuple[Any, Any]]:
 
 
 def main() -> None:
-    """Do the job in the folder that is named on the command line."""
-    folder = Path(sys.argv[1])
+    """Do the job in the folder that is named on the command line, while the parent lives."""
+    folder, parent = Path(sys.argv[1]), int(sys.argv[2])
+    if not _native.end_with_parent(parent):
+        return
     channel = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # what native code prints does not disturb the channel
     copyreg.pickle(pymeshlab.BoundingBox, _reduced_box)

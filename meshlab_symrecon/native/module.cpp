@@ -138,6 +138,7 @@ NB_MODULE(_native, module) {
   bind_deviation(module);
   bind_crust(module);
   bind_noise(module);
+  bind_interrupts(module);
   bind_labels(module);
   bind_streams(module);
   bind_surfaces(module);
