@@ -5,8 +5,8 @@
 
 Scans of two statues (SYMRECON_DATA/meshes): even random points with noise of .05 % of the diagonal
 and their normals, 15 % missing on one side.  Each number is that of a process of its own, which
-loads the layers it needs from files, as `symrecon apply` does.  Prints a Markdown table: CPU time of
-the filter, the peak of the whole process, and how much of that a point takes, without imports.
+loads the layers it needs from files, as `symrecon apply` does.  Prints a Markdown table: CPU time
+of the filter, peak of the whole process, and how much of that a point takes, without imports.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def work(stage: str, folder: Path) -> dict[str, float]:
     return run | {"points": points, "before": before, "peak": memory("VmHWM")}
 
 
-# --------------------------------------------------------------------------------- the parent's side
+# ------------------------------------------------------------------------------- the parent's side
 
 
 def started(*arguments: object) -> str:

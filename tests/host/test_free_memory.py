@@ -88,4 +88,4 @@ def test_the_limits_of_the_process_count():
         "after = available_memory()\n"
         "assert before < 20 * 10**9 and 0 < after < 10**9, (before, after)\n"
     )
-    subprocess.run([sys.executable, "-c", program], check=True)  # noqa: S603
+    subprocess.run([sys.executable, "-c", program], check=True)

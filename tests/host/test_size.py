@@ -13,7 +13,7 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from meshlab_symrecon.errors import SizeError, SymReconError, SymReconWarning
+from meshlab_symrecon.errors import SizeError, SymReconWarning
 from meshlab_symrecon.host import reconstruction
 from meshlab_symrecon.host.files import load, save_current
 from meshlab_symrecon.host.size import (
@@ -80,7 +80,7 @@ def test_the_estimate_holds_for_a_small_scan(tmp_path):
     mesh_set.add_mesh(pymeshlab.Mesh(points))
     path = tmp_path / "scan.ply"
     save_current(mesh_set, path)
-    done = subprocess.run(  # noqa: S603
+    done = subprocess.run(
         [sys.executable, "-c", MEASURED, str(path)], capture_output=True, text=True, check=True
     )
     peak, needed = json.loads(done.stdout), memory_needed(len(points))
@@ -119,7 +119,6 @@ def test_a_job_is_called_by_its_name_and_a_limit_counts_in_full(tmp_path):
     told = refusal(path, enough - 1, steps=DETECT, work="detect.mlx", option="")
     assert "; detect.mlx needs about" in told
     assert "points first (symrecon apply generate_simplified_point_cloud IN -o OUT" in told
-    assert isinstance(pytest.raises(SizeError, check_memory, path, 0).value, SymReconError)
 
 
 def test_a_file_too_large_to_be_read_is_to_be_split(tmp_path):
