@@ -29,6 +29,7 @@ from meshlab_symrecon.host.material_names import with_plain_names
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.process_state import process_kept
+from meshlab_symrecon.host.record_text import Record, put_record
 from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.host.whole import check_whole, points_in_faces
 
@@ -182,11 +183,18 @@ def check_output(
             raise FileError(message)
 
 
-def save_current(mesh_set: Any, path: str | Path) -> None:
+def save_current(mesh_set: Any, path: str | Path, record: Record | None = None) -> None:
     """Save the current layer in world coordinates, with everything the format can hold.
 
     Normals, colours and quality are written when the layer has them and the format can hold them;
     PLY keeps coordinates to the last bit. A file at ``path`` is replaced only by a whole one.
+
+    Parameters
+    ----------
+    mesh_set : pymeshlab.MeshSet
+    path : str or Path
+    record : Record, optional
+        Goes into the header of a PLY file; other formats have no place for it.
 
     Raises
     ------
@@ -204,11 +212,16 @@ def save_current(mesh_set: Any, path: str | Path) -> None:
     if identifier < 0:
         raise FileError(f"{path} cannot be written: the document is empty; load a layer first")
     with replacing(path) as staged:
-        write_layer(mesh_set, identifier, path, staged)
+        write_layer(mesh_set, identifier, path, staged, record=record)
 
 
 def write_layer(
-    mesh_set: Any, identifier: int, path: Path, staged: Path, world: bool = True
+    mesh_set: Any,
+    identifier: int,
+    path: Path,
+    staged: Path,
+    world: bool = True,
+    record: Record | None = None,
 ) -> None:
     """Write one layer and the images of its textures to ``staged`` and beside it.
 
@@ -222,6 +235,8 @@ def write_layer(
         Where it is written first.
     world : bool
         Whether the layer's transform matrix goes into the coordinates; otherwise it is left out.
+    record : Record, optional
+        As ``save_current``.
 
     Raises
     ------
@@ -249,6 +264,8 @@ def write_layer(
         told = str(error).removeprefix(f"{path} cannot be written: ")
         message = f"{path} cannot be written: {told}; check free space and the format"
         raise FileError(message) from error
+    if record is not None and extension == "ply":
+        put_record(staged, record)
     check_whole(mesh, path, staged)
 
 
