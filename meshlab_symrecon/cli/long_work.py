@@ -97,7 +97,7 @@ def long_work(function: Callable[..., Any]) -> Callable[..., Any]:
 
 @contextmanager
 def working(given: Mapping[str, Any]) -> Iterator[LongWork]:
-    """Yield a ``LongWork`` by the options' values; what is missing is taken from before the command.
+    """Yield a ``LongWork`` by the options' values; what is missing is as before the command.
 
     Raises
     ------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
@@ -30,9 +30,15 @@ VOTERS, ENOUGH_VOTES = 9, 4  # the point itself counts
 BLOCK = 1 << 17  # rows that are worked on at once, so that what is in between stays small
 
 
-def blocks(count: int) -> Iterator[slice]:
-    """Yield the rows of a large array in blocks, for work that needs much memory a row."""
-    return (slice(start, min(start + BLOCK, count)) for start in range(0, count, BLOCK))
+def blocks(count: int, report: Callable[[float], None] | None = None) -> Iterator[slice]:
+    """Yield the rows of a large array in blocks, for work that needs much memory a row, or time.
+
+    Before each, ``report`` is told the share that is done.
+    """
+    for start in range(0, count, BLOCK):
+        if report is not None:
+            report(start / count)
+        yield slice(start, min(start + BLOCK, count))
 
 
 def local_spacing(points: Points, neighbours: int = 4) -> Floats:

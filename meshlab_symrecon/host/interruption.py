@@ -37,7 +37,7 @@ __all__ = [
 ]
 
 SENTENCE = "interrupted; nothing was left half-written"
-GRACE = 0.6  # seconds until the kernel's thread ends what does not end by itself
+GRACE = 0.4  # seconds until the kernel's thread ends what does not end by itself
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
 
 

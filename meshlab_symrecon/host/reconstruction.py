@@ -35,7 +35,9 @@ NORMALS = "compute_normal_for_point_clouds"
 DETECT = "generate_reflection_planes"
 COMPLETE = "generate_mirror_completed_points"
 CLOSE = "generate_surface_reconstruction_power_crust"
-SHARES = {NORMALS: 0.05, DETECT: 0.4, COMPLETE: 0.05, CLOSE: 0.5}  # of the time
+# Seconds that each step takes at least, and for a million points, on one core: for the progress.
+SECONDS = {NORMALS: (0.1, 4.5), DETECT: (1.5, 1.0), COMPLETE: (0.5, 5.5), CLOSE: (0.5, 34.0)}
+READ = 0.01  # share of the time for reading
 SCAN, PLANES, COMPLETED, SURFACE = LABELS = (
     "scan", "reflection planes", "completed points", "surface",
 )  # fmt: skip
@@ -129,7 +131,7 @@ def _run_all(
     layers = {SCAN: current_identifier(mesh_set)}
     points = _points(mesh_set)
     check_rest(scan, points, RECONSTRUCT, limit, measured=points)
-    run = _runner(mesh_set, settings, progress)
+    run = _runner(mesh_set, settings, progress, _shares(points))
     run(NORMALS, "normals")
     found = run(DETECT, "looking for mirror planes")
     completed: Mapping[str, Any] = {"measured": points, "mirrored": 0}
@@ -147,26 +149,42 @@ def _points(mesh_set: Any) -> int:
     return int(mesh_set.current_mesh().vertex_number())
 
 
+def _shares(points: int) -> dict[str, float]:
+    """Return the share of the time that each step takes."""
+    seconds = {name: least + million * points / 1e6 for name, (least, million) in SECONDS.items()}
+    return {name: (1.0 - READ) * taken / sum(seconds.values()) for name, taken in seconds.items()}
+
+
 def _runner(
-    mesh_set: Any, settings: Mapping[str, Any], progress: Callable[[float, str], None]
+    mesh_set: Any,
+    settings: Mapping[str, Any],
+    progress: Callable[[float, str], None],
+    shares: Mapping[str, float],
 ) -> Callable[[str, str], Mapping[str, Any]]:
     """Return a function that runs one filter with its defaults and the settings."""
-    done = 0.0
+    done = READ
 
     def run(name: str, title: str) -> Mapping[str, Any]:
         nonlocal done
-        start, share = done, SHARES[name]
+        start, share = done, shares[name]
         progress(start, title)
         measures = apply_filter(
             mesh_set,
             name,
-            progress=lambda fraction, _: progress(start + share * fraction, title),
+            progress=lambda fraction, stage: progress(
+                min(1.0, start + share * fraction), _stage(name, title, stage)
+            ),
             **_set(name, settings),
         )
         done = start + share
         return measures
 
     return run
+
+
+def _stage(name: str, title: str, stage: str) -> str:
+    """Return what is being done, in words; MeshLab's own filters tell their names only."""
+    return title if name == NORMALS or not stage else f"{title}: {stage}"
 
 
 def _set(name: str, settings: Mapping[str, Any]) -> dict[str, Any]:

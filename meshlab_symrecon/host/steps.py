@@ -154,6 +154,7 @@ def run_filter(
     parameters = item.bind(values)
     note = exact_steps.note_of(mesh_set, item, parameters.values())
     outcome = item.apply(layers_of(mesh_set), values, progress)
+    progress(1.0, "adding layers" if outcome.layers else "done")
     _write(mesh_set, item, outcome)
     native_steps = NATIVE_STEPS * len(outcome.scalars)
     if not history.record(mesh_set, item, parameters, note, native_steps):

@@ -37,7 +37,7 @@ from meshlab_symrecon.symmetry.filling import (
 )
 from meshlab_symrecon.symmetry.open_rims import open_rims
 from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
-from meshlab_symrecon.symmetry.progress import Progress
+from meshlab_symrecon.symmetry.progress import Progress, part, share_of, silent
 
 __all__ = ["BLEND", "GAP", "CompletedPoints", "mirror_complete"]
 
@@ -48,6 +48,8 @@ ENOUGH = 200_000  # points on which the statue's asymmetry, its plinth and its r
 FEWEST = 500  # points below which nothing can be said about asymmetry
 SAMPLES = 16  # of the prepared cloud; they are for detection
 NODES = 4  # places between which an offset is interpolated
+LEANING = "following how the sides differ"
+SCAN_DONE, FILL = 0.35, 0.6  # shares of the time: looking at the scan, and filling
 MOST_AWAY = 0.02  # diagonals: between a plane and a cloud that just reaches it
 
 
@@ -133,30 +135,31 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     worth = None if quality is None else _attribute(quality, count, "quality")
     allowed = None if source is None else as_scalars(source, count, "source") != 0.0
 
-    scan = _scan(measured, directions, allowed)
+    report = progress or silent
+    scan = _scan(measured, directions, allowed, part(report, 0.0, SCAN_DONE))
     kept = len(scan.number)
     positions, origin = scan.around.points, np.arange(kept)
     facing = np.zeros((0, 3))  # the normals of the images
     for step, plane in enumerate(mirrors):
-        if progress is not None:
-            progress(step / len(mirrors), "filling with mirror images")
+        low, high = (SCAN_DONE + FILL * number / len(mirrors) for number in (step, step + 1))
+        report(low, "filling with mirror images")
         _check_reached(positions, plane, step, scan.around.diagonal)
         around = scan.around
         if step > 0:
             turned = scan.directions_with(facing)
             around = surroundings(positions, turned, scan.around.diagonal)
-        images, chosen = _across(scan, around, origin, plane, gap, blend)
+        of_plane = part(report, low, high)
+        images, chosen = _across(scan, around, origin, plane, (gap, blend), of_plane)
         positions = np.concatenate([positions, images])
         origin = np.concatenate([origin, origin[chosen]])
         turned = scan.directions_with(facing)
         if turned is not None:
             facing = np.concatenate([facing, reflect_directions(turned[chosen], plane)])
         del turned
-    if progress is not None:
-        progress(1.0, "completed")
+    report(SCAN_DONE + FILL, "collecting the completed points")
     source_of = np.concatenate([np.arange(count), scan.number[origin[kept:]]])
     mirrored_normals = None if directions is None else np.concatenate([directions, facing])
-    return CompletedPoints(
+    completed = CompletedPoints(
         points=np.concatenate([measured, positions[kept:]]),
         normals=mirrored_normals,
         colours=None if paint is None else paint[source_of],
@@ -167,6 +170,8 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
         plinth=int(np.count_nonzero(~scan.off_plinth(mirrors[0]))) if len(mirrors) else 0,
         open_rims=open_rims(positions[:: -(-len(positions) // ENOUGH)]),
     )
+    report(1.0, "completed")
+    return completed
 
 
 def _check_lengths(gap: float, blend: float) -> None:
@@ -237,11 +242,14 @@ class _Scan:
         return off_lopsided_plinth(around.points, around.field, around.usual, self._standing, plane)
 
 
-def _scan(points: Points, normals: Points | None, allowed: Booleans | None) -> _Scan:
+def _scan(
+    points: Points, normals: Points | None, allowed: Booleans | None, progress: Progress
+) -> _Scan:
     """Order a cloud along a space-filling curve, which makes searches fast, without scatter.
 
     Of points that coincide, the curve passes the first only.
     """
+    progress(0.0, "ordering the points")
     centre, axes = principal_frame(points)
     framed = points - centre
     framed = framed @ axes.T  # so that all that follows turns with the scan
@@ -249,7 +257,9 @@ def _scan(points: Points, normals: Points | None, allowed: Booleans | None) -> _
     diagonal = robust_diagonal(framed)
     del framed
     ordered = points[order]
-    known = neighbours(ordered)
+    looking = part(progress, 0.2, 0.8)
+    known = neighbours(ordered, share_of(looking, "looking at neighbourhoods"))
+    progress(0.8, "looking for the surface")
     together = on_surface(ordered, known.width, known.nearest)
     number = order[together]
     sides = None if normals is None else normals[order]
@@ -263,9 +273,15 @@ def _scan(points: Points, normals: Points | None, allowed: Booleans | None) -> _
 
 
 def _across(
-    scan: _Scan, around: Surroundings, origin: Indices, plane: Floats, gap: float, blend: float
+    scan: _Scan,
+    around: Surroundings,
+    origin: Indices,
+    plane: Floats,
+    lengths: tuple[float, float],
+    progress: Progress,
 ) -> tuple[Points, Indices]:
     """Return the mirror images that fill gaps, and the points they are images of."""
+    gap, blend = lengths
     worth = scan.off_plinth(plane)
     if scan.allowed is not None:
         worth = worth & scan.allowed
@@ -276,13 +292,18 @@ def _across(
     if blend > 0.0 and len(scan.number) >= FEWEST:
         if not any_missing(around, images, sources, plane, gap):
             return images[:0], sources[:0]
-        images = _leaning(scan.prepared, images, plane, blend)
-    filling = fill(around, images, sources, plane, gap)
+        progress(0.1, "learning how the sides differ")
+        cloud = scan.prepared
+        images = _leaning(cloud, images, plane, blend, part(progress, 0.3, 0.7))
+    filling = fill(around, images, sources, plane, gap, part(progress, 0.7, 1.0))
     return images[filling], sources[filling]
 
 
-def _leaning(cloud: PreparedCloud, images: Points, plane: Floats, blend: float) -> Points:
+def _leaning(
+    cloud: PreparedCloud, images: Points, plane: Floats, blend: float, progress: Progress
+) -> Points:
     """Move mirror images by what is known of the statue's asymmetry."""
+    progress(0.0, LEANING)
     field = asymmetry_field(cloud, plane, blend)
     if field is None:
         return images
@@ -290,7 +311,7 @@ def _leaning(cloud: PreparedCloud, images: Points, plane: Floats, blend: float) 
     offsets = field.offsets(nodes)
     tree = cKDTree(nodes)
     leaning = np.zeros(images.shape)
-    for rows in blocks(len(images)):
+    for rows in blocks(len(images), share_of(part(progress, 0.5, 1.0), LEANING)):
         distances, nearest = tree.query(images[rows], k=NODES)
         weights = np.exp(-((distances / np.maximum(distances[:, -1:], 1e-300)) ** 2))
         weights /= weights.sum(axis=1, keepdims=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -21,6 +22,7 @@ from meshlab_symrecon.geometry.neighbours import (
 from meshlab_symrecon.geometry.planes import reflect_directions
 from meshlab_symrecon.symmetry.coverage import covered
 from meshlab_symrecon.symmetry.density import as_dense_as_around
+from meshlab_symrecon.symmetry.progress import Progress, silent
 
 __all__ = ["Neighbours", "Surroundings", "any_missing", "fill", "neighbours", "surroundings"]
 
@@ -36,6 +38,7 @@ PATCH_REACH = 2.0  # spacings between neighbours in a patch
 PATCH_NEIGHBOURS = 8
 NORMAL_NEIGHBOURS = 16
 CONSISTENT = 0.9  # share of the points whose normal faces as that of the nearest point does
+FILLING = "choosing what fills holes"
 FITTED = 60_000  # points to which normals are fitted
 
 
@@ -67,13 +70,16 @@ class Neighbours:
     width: Floats  # (n,)  mean distance to all
 
 
-def neighbours(points: Points) -> Neighbours:
-    """Look up the eight points nearest to each of the points (n, 3), n at least 2."""
+def neighbours(points: Points, report: Callable[[float], None] | None = None) -> Neighbours:
+    """Look up the eight points nearest to each of the points (n, 3), n at least 2.
+
+    ``report`` is told the share that is done.
+    """
     count = min(NEIGHBOURS + 1, len(points))
     tree = cKDTree(points)
     nearest = np.zeros((len(points), count - 1), dtype=np.int32)
     spacing, width = np.zeros(len(points)), np.zeros(len(points))
-    for rows in blocks(len(points)):
+    for rows in blocks(len(points), report):
         distances, members = tree.query(points[rows], k=count)
         nearest[rows] = members[:, 1:]
         spacing[rows] = distances[:, 1 : SPACING_NEIGHBOURS + 1].mean(axis=1)
@@ -158,7 +164,12 @@ def any_missing(
 
 
 def fill(
-    around: Surroundings, images: Points, origin: Indices, plane: Floats, gap: float
+    around: Surroundings,
+    images: Points,
+    origin: Indices,
+    plane: Floats,
+    gap: float,
+    progress: Progress = silent,
 ) -> Booleans:
     """Choose the mirror images that fill holes.
 
@@ -174,6 +185,8 @@ def fill(
         The mirror plane.
     gap : float
         Multiples of the local spacing: an image nearer to a point fills nothing.
+    progress : callable
+        Called with a fraction and a message.
 
     Returns
     -------
@@ -181,11 +194,14 @@ def fill(
         True for those farther than the gap from every point, over no surface that faces the same
         way, together with others, and no denser than the points round them.
     """
+    progress(0.0, FILLING)
     chosen, nearest, reach = _open(around, images, gap)
     free = ~_hovering(around, images[chosen], origin[chosen], nearest, plane, reach)
     chosen, nearest = chosen[free], nearest[free]
+    progress(0.4, FILLING)
     joined = _in_patches(images[chosen], around.usual)
     chosen, nearest = chosen[joined], nearest[joined]
+    progress(0.7, FILLING)
     even = as_dense_as_around(
         images[chosen], around.spacing[origin[chosen]], around.points, around.spacing, nearest
     )
