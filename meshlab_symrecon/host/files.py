@@ -29,6 +29,7 @@ from meshlab_symrecon.host.inspection import inspect
 from meshlab_symrecon.host.material_names import with_plain_names
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.ply_plain import with_plain_data
 from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.host.whole import check_whole, points_in_faces
@@ -82,11 +83,13 @@ def load(path: str | Path, mesh_set: Any = None) -> Any:
     held = _checked_before(path)
     mesh_set = new_document() if mesh_set is None else mesh_set
     before = {mesh.id() for mesh in mesh_set}
+    readable = path
     try:
         with translated(f"{path} cannot be read"), process_kept(), _readable(path) as readable:
             mesh_set.load_new_mesh(str(readable))
     except HostError as error:
-        raise FileError(f"{error}; write or download it again") from error
+        message = str(error).replace(str(readable), str(path))
+        raise FileError(f"{message}; write or download it again") from error
     new = [int(mesh.id()) for mesh in mesh_set if mesh.id() not in before]
     _compare(mesh_set, new, path, held)
     try:
@@ -115,11 +118,18 @@ def _compare(mesh_set: Any, new: list[int], path: Path, held: Held) -> None:
     if loaded != held.points - held.unusable and not held.merged:
         words = f"MeshLab read {loaded} of the {held.points - held.unusable} points that it holds"
         warn_user(f"{path}: {words}; look at what was read, or write the file again")
+    faces = sum(mesh_set.mesh(identifier).face_number() for identifier in new)
+    if held.triangles is not None and faces < held.triangles and not held.lost_faces:
+        words = f"MeshLab made {faces} triangles of faces that can be cut into {held.triangles}"
+        warn_user(f"{path}: {words}; corners that come twice and bent polygons are left out")
 
 
 def _readable(path: Path) -> AbstractContextManager[Path]:
-    """Return the path, or one under which MeshLab finds the images of an OBJ file."""
-    return with_plain_names(path) if path.suffix.lower() == ".obj" else nullcontext(path)
+    """Return the path, or one under which MeshLab reads all that the file holds."""
+    extension = path.suffix.lower()
+    if extension == ".obj":
+        return with_plain_names(path)
+    return with_plain_data(path) if extension == ".ply" else nullcontext(path)
 
 
 def _checked_before(path: Path) -> Held:

@@ -30,6 +30,8 @@ class Held:
         What the user should know of the file, whole sentences.
     merged : bool
         Whether MeshLab makes one point of all that are in one place.
+    triangles : int or None
+        How many its faces can be cut into; None when that was not counted.
     """
 
     points: int
@@ -37,6 +39,7 @@ class Held:
     lost_faces: int = 0
     notes: tuple[str, ...] = ()
     merged: bool = False
+    triangles: int | None = None
 
 
 def unusable(path: Path, points: Any, first: int = 0) -> Any:

@@ -35,6 +35,7 @@ class _Reading:
     lost: set[int] = field(default_factory=set)  # points, from 1 on, that nobody can use
     lost_faces: int = 0
     faces: int = 0
+    triangles: int = 0
     announced: dict[bytes, int] = field(default_factory=dict)
     ended: bool = False
 
@@ -64,7 +65,13 @@ def check_obj(path: Path) -> Held:
     _check_corners(path, reading.corners, reading.counts)
     _check_counts(reading)
     notes = () if reading.ended else cut_off(path)
-    return Held(reading.counts[b"v"], len(reading.lost), reading.lost_faces, notes)
+    return Held(
+        reading.counts[b"v"],
+        len(reading.lost),
+        reading.lost_faces,
+        notes,
+        triangles=reading.triangles,
+    )
 
 
 def _take(reading: _Reading, number: int, line: bytes) -> None:
@@ -134,6 +141,7 @@ def _take_face(reading: _Reading, number: int, line: bytes, corners: list[bytes]
         message = f"{path}: the face in line {number} has {len(corners)} corners, and MeshLab"
         raise FileError(f"{message} takes too long from {MOST_CORNERS} on; cut it into triangles")
     reading.faces += 1
+    reading.triangles += len(corners) - 2
     if b"-" in line:  # counted back from here
         _check_corners(path, corners, reading.counts)
     else:

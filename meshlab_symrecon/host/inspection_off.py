@@ -35,6 +35,7 @@ class _Reading:
     polygons: int = 0
     lost: list[Indices] = field(default_factory=list)  # points that nobody can use
     lost_faces: int = 0
+    triangles: int = 0
     edges: int = 0  # faces of two corners
     more: int = 0  # lines behind what was announced
 
@@ -62,7 +63,8 @@ def check_off(path: Path) -> Held:
     lost = sum(map(len, reading.lost))
     if lost == reading.points:
         raise FileError(f"{path} holds no points; scan again or pick another file")
-    return Held(reading.points, lost, reading.lost_faces, _notes(reading))
+    notes = _notes(reading)
+    return Held(reading.points, lost, reading.lost_faces, notes, triangles=reading.triangles)
 
 
 def _notes(reading: _Reading) -> tuple[str, ...]:
@@ -156,4 +158,5 @@ def _take_faces(reading: _Reading, block: Block) -> None:
     lost = np.isin(corners.astype(np.int64), np.concatenate(reading.lost))
     reading.lost_faces += len(np.unique(owners[lost]))
     reading.edges += int((lengths == 2).sum())
+    reading.triangles += int((lengths - 2).sum())
     reading.polygons += taken

@@ -39,7 +39,7 @@ def check_ply(path: Path) -> Held:
     words = _words(path, header)
     start = 0
     points = np.zeros(0, dtype=np.bool_)  # which ones nobody can use
-    lost_faces = 0
+    lost_faces = triangles = 0
     for element in header.elements:
         try:
             rows = rows_of(words, start, header.form, element)
@@ -48,11 +48,12 @@ def check_ply(path: Path) -> Held:
         if element.name == "vertex":
             points = _lost_points(path, rows)
         elif element.name == "face":
-            lost_faces = _lost_faces(path, rows, points)
+            lost_faces, triangles = _lost_faces(path, rows, points)
         start = rows.end
     if points.all():
         raise FileError(f"{path} holds no points; scan again or pick another file")
-    return Held(len(points), int(points.sum()), lost_faces, _notes(path, header, len(words), start))
+    notes = _notes(path, header, len(words), start)
+    return Held(len(points), int(points.sum()), lost_faces, notes, triangles=triangles)
 
 
 def _notes(path: Path, header: Header, held: int, used: int) -> tuple[str, ...]:
@@ -121,7 +122,9 @@ def _numbers(path: Path, header: Header) -> Any:
         except (DeprecationWarning, ValueError):  # by the version of numpy
             file.seek(0)
             before = file.read(header.start).count(b"\n")
-            return np.concatenate([block.numbers for block in blocks_of(path, file, before + 1)])
+            for _ in blocks_of(path, file, before + 1):
+                pass  # until the word is found
+            raise damaged(path, "it has a comment among its numbers") from None
 
 
 def _lost_points(path: Path, rows: Rows) -> Any:
@@ -138,9 +141,9 @@ def _lost_points(path: Path, rows: Rows) -> Any:
     return lost
 
 
-def _lost_faces(path: Path, rows: Rows, points: Any) -> int:
-    """Check the corners of faces; return how many faces use a point that nobody can use."""
-    lost = 0
+def _lost_faces(path: Path, rows: Rows, points: Any) -> tuple[int, int]:
+    """Check faces; return how many use a point that nobody can use, and how many triangles."""
+    lost = triangles = 0
     for number, item in enumerate(rows.element.properties):
         if not item.length_kind or item.name not in MOST:
             continue
@@ -148,7 +151,8 @@ def _lost_faces(path: Path, rows: Rows, points: Any) -> int:
             _check_length(path, item.name, faces, lists.shape[1])
             if item.name in CORNERS:
                 lost += _lost_corners(path, faces, lists, points)
-    return lost
+                triangles += lists.size - 2 * len(lists)
+    return lost, triangles
 
 
 def _check_length(path: Path, name: str, faces: Any, length: int) -> None:

@@ -65,7 +65,7 @@ def check_plain_text(path: Path) -> None:
     for mark, name in ARCHIVES.items():
         if beginning.startswith(mark):
             raise FileError(f"{path} is compressed by {name}; unpack it first")
-    if b"\r" in beginning[:-1].replace(b"\r\n", b"\n"):
+    if b"\r" in beginning.removesuffix(b"\r").replace(b"\r\n", b"\n"):
         message = f"{path} has lines that end in a carriage return alone, which MeshLab does not"
         raise FileError(f"{message} read; save it with line feeds")
 
