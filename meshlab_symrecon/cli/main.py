@@ -8,6 +8,7 @@ import click
 
 from meshlab_symrecon import __version__
 from meshlab_symrecon.cli.apply import apply
+from meshlab_symrecon.cli.batch import batch
 from meshlab_symrecon.cli.border import BorderGroup
 from meshlab_symrecon.cli.check import check
 from meshlab_symrecon.cli.filters import filters
@@ -36,7 +37,7 @@ def main(context: click.Context, /, threads: int | None, **of_commands: Any) -> 
 
 
 main.params += long_options()
-for command in (reconstruct, apply, run, check, upgrade, filters):
+for command in (reconstruct, apply, run, batch, check, upgrade, filters):
     main.add_command(command)
 
 if __name__ == "__main__":
