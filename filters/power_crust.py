@@ -28,6 +28,7 @@ from meshlab_symrecon.provenance import MIRRORED, paint_by_share
 
 LABEL = "power crust"
 AXIS_LABEL = "medial axis"
+CLOSED = 0.9  # share of the time for the surface itself
 AUTOMATIC = -1.0
 HULL_WARNING = (
     "the points are too few or too flat to tell inside from outside, "
@@ -102,11 +103,16 @@ class Parameters(ParameterSet):
 def run(layers: Layers, parameters: Parameters, progress: Progress) -> Outcome:
     """Reconstruct the current layer's points."""
     source = layers.current
-    crust = reconstruct(source.points, _recipe(parameters), progress=progress)
-    added = [_surface(source, crust, paint=parameters.paint)]
+    crust = reconstruct(
+        source.points,
+        _recipe(parameters),
+        progress=lambda share, stage: progress(CLOSED * share, stage),
+    )
+    added = [_surface(source, crust, progress, paint=parameters.paint)]
     if parameters.medialaxis or parameters.outeraxis:
         axis = crust.axis
         added.append(Layer(axis.points, axis.faces, label=AXIS_LABEL, quality=axis.radii))
+    progress(1.0, "done")
     warnings = (HULL_WARNING,) if crust.hull else ()
     return Outcome(tuple(added), current=0, measures=_measures(crust), warnings=warnings)
 
@@ -147,13 +153,22 @@ def _measures(crust: PowerCrust) -> dict[str, Any]:
     }
 
 
-def _surface(source: Layer, crust: PowerCrust, *, paint: bool) -> Layer:
-    quality, colours = (
-        None if values is None else carry_over(source.points, values, crust.points)
-        for values in (source.quality, source.colours)
-    )
+def _surface(source: Layer, crust: PowerCrust, progress: Progress, *, paint: bool) -> Layer:
+    def carried(values: Floats | None, low: float) -> Floats | None:
+        if values is None:
+            return None
+        share = (1.0 - CLOSED) / 3
+        return carry_over(
+            source.points,
+            values,
+            crust.points,
+            progress=lambda done: progress(low + share * done, "carrying over attributes"),
+        )
+
+    quality = carried(source.quality, CLOSED)
+    colours = carried(source.colours, (1.0 + 2.0 * CLOSED) / 3)
     if paint:
-        colours = paint_by_share(carry_over(source.points, _shares(source), crust.points))
+        colours = paint_by_share(np.asarray(carried(_shares(source), (2.0 + CLOSED) / 3)))
     return Layer(crust.points, crust.faces, label=LABEL, colours=colours, quality=quality)
 
 

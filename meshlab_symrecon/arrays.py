@@ -32,6 +32,8 @@ Planes: TypeAlias = NDArray[np.float64]  # (k, 4)  unit normal A, B, C and offse
 
 
 def _as_floats(values: ArrayLike, what: str, shape: str) -> Floats:
+    if _is_sealed(values):
+        return np.asarray(values)
     try:
         return np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -39,9 +41,19 @@ def _as_floats(values: ArrayLike, what: str, shape: str) -> Floats:
         raise GeometryError(message) from error
 
 
+def _is_sealed(values: ArrayLike) -> bool:
+    """Tell whether an array can be passed on as it is: nobody writes to it, or to what is below."""
+    return (
+        type(values) is np.ndarray
+        and values.dtype == np.float64
+        and values.flags.owndata
+        and not values.flags.writeable
+    )
+
+
 def _check_finite(values: Floats, what: str, unit: str) -> None:
-    finite = np.isfinite(values).all(axis=tuple(range(1, values.ndim)))
-    if not finite.all():
+    if not np.isfinite(values).all():
+        finite = np.isfinite(values).all(axis=tuple(range(1, values.ndim)))
         message = (
             f"{what} must be finite; got {np.count_nonzero(~finite)} {unit} with NaN or infinity, "
             f"the first at index {np.argmin(finite)}; remove them first"
@@ -64,6 +76,8 @@ def _as_rows(values: ArrayLike, width: int, what: str) -> Floats:
 def as_points(values: ArrayLike, minimum: int = 0) -> Points:
     """Return a read-only (n, 3) float64 copy of finite positions.
 
+    An array of such numbers that is read-only already is returned itself.
+
     Raises
     ------
     GeometryError
@@ -79,6 +93,8 @@ def as_points(values: ArrayLike, minimum: int = 0) -> Points:
 def as_normals(values: ArrayLike, count: int) -> Points:
     """Return a read-only (count, 3) float64 copy of finite normals, one for each point.
 
+    An array of such numbers that is read-only already is returned itself.
+
     Raises
     ------
     GeometryError
@@ -93,6 +109,8 @@ def as_normals(values: ArrayLike, count: int) -> Points:
 
 def as_scalars(values: ArrayLike, count: int, what: str) -> Floats:
     """Return a read-only (count,) float64 copy of finite numbers, one for each point.
+
+    An array of such numbers that is read-only already is returned itself.
 
     ``what`` they are is the subject of the error's sentence, such as ``weights``.
 

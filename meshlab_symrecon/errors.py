@@ -12,6 +12,7 @@ __all__ = [
     "ParameterError",
     "PluginError",
     "ScriptError",
+    "SizeError",
     "SymReconError",
     "SymReconWarning",
     "UnknownFilterError",
@@ -44,6 +45,10 @@ class ScriptError(SymReconError):
 
 class FileError(SymReconError, OSError):
     """A file that cannot be read or written."""
+
+
+class SizeError(SymReconError, MemoryError):
+    """Work that would need more memory than there is, told before it starts."""
 
 
 class HostError(SymReconError):

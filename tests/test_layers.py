@@ -12,12 +12,13 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGE = "meshlab_symrecon"
 
-BORDER = {"errors", "arrays", "provenance"}
+BORDER = {"errors", "arrays", "one_thread", "provenance"}
 KERNEL = BORDER | {"_native", "geometry"}
 ALGORITHMS = {"clustering", "symmetry", "powercrust"}
 ALLOWED = {
     "errors": set(),
     "arrays": {"errors"},
+    "one_thread": set(),
     "provenance": {"arrays"},
     "geometry": BORDER | {"_native"},
     "clustering": KERNEL,

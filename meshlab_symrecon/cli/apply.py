@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from meshlab_symrecon.cli.progress import progress_bar
+from meshlab_symrecon.cli.long_work import LONG_NAMES, LongWork, long_options, working
+from meshlab_symrecon.cli.threads import asked_threads, limited_threads
 from meshlab_symrecon.errors import ParameterError
 
 __all__ = ["apply"]
 
-RESERVED = ("output", "json", "help")
+RESERVED = ("output", "json", "help", "quiet", "log", "threads", "max-points")
 MAKES_FROM_NOTHING = "create_"  # native filters that need no input
 
 
@@ -27,6 +29,13 @@ class FilterGroup(click.Group):
         from meshlab_symrecon.host.resolution import find_any
 
         return _command_of(find_any(cmd_name), cmd_name)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the filter, for which libraries are loaded, with the number of threads known."""
+        ctx.with_resource(limited_threads(asked_threads(args)))
+        return super().resolve_command(ctx, args)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return nothing: ``symrecon filters`` lists them."""
@@ -73,14 +82,17 @@ def _command_of(item: Any, written: str) -> click.Command:
         click.Argument(["inputs"], nargs=-1, required=inputs_needed, type=path, metavar="IN..."),
         click.Option(["-o", "--output"], type=path, metavar="OUT", help="File of the result."),
         click.Option(["--json"], type=path, metavar="R.json", help="File of the measures."),
+        *long_options(),
         *(_options_of_ours(item) if ours else _options_of_native(item)),
     ]
 
     def run(
         inputs: tuple[Path, ...], output: Path | None, json: Path | None, **values: Any
     ) -> None:
+        asked = {name: values.pop(name) for name in LONG_NAMES}
         given = {name: value for name, value in values.items() if value is not None}
-        _run(item, inputs, output, json, given)
+        with working(asked) as work:
+            _run(item, Files(inputs, output, json), given, work)
 
     summary = item.summary if ours else f"MeshLab's own '{item.menu_name}'."
     return click.Command(
@@ -125,41 +137,55 @@ def _flags(name: str) -> list[str]:
     return [*flags, name]
 
 
-def _run(
-    item: Any,
-    inputs: tuple[Path, ...],
-    output: Path | None,
-    report: Path | None,
-    values: Mapping[str, Any],
-) -> None:
+@dataclass(frozen=True, slots=True)
+class Files:
+    """What is read, and where the results go."""
+
+    inputs: tuple[Path, ...]
+    output: Path | None
+    report: Path | None
+
+
+def _run(item: Any, files: Files, values: Mapping[str, Any], work: LongWork) -> None:
     from meshlab_symrecon.cli import reports
-    from meshlab_symrecon.host.files import check_output, load, new_document, save_current
+    from meshlab_symrecon.host.files import load, new_document, save_current
     from meshlab_symrecon.host.registration import apply_filter
 
-    if output is None and report is None:
-        raise click.UsageError("give -o OUT, or --json R.json, or both")
-    if output is not None:
-        check_output(output, inputs)
-    if report is not None:
-        check_output(report, [*inputs, *([] if output is None else [output])], ())
+    _check_files(files)
     mesh_set = new_document()
-    for path in inputs:
-        load(path, mesh_set)
-    before = {int(mesh.id()) for mesh in mesh_set}
-    with warnings.catch_warnings(record=True) as caught, progress_bar(item.menu_name) as progress:
-        warnings.simplefilter("always")
-        measures = apply_filter(mesh_set, item.python_name, progress=progress, **values)
-    made = _result_layer(mesh_set, item, before)
-    if output is not None and made is not None:
-        mesh_set.set_current_mesh(made)
-        save_current(mesh_set, output)
-    if report is not None:
+    with work.progress(item.menu_name) as progress:
+        for path in files.inputs:
+            progress(0.0, f"reading {path}")
+            load(path, mesh_set)
+        before = {int(mesh.id()) for mesh in mesh_set}
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            measures = apply_filter(mesh_set, item.python_name, progress=progress, **values)
+        made = _result_layer(mesh_set, item, before)
+        if files.output is not None and made is not None:
+            progress(1.0, f"writing {files.output}")
+            mesh_set.set_current_mesh(made)
+            save_current(mesh_set, files.output)
+    if files.report is not None:
         detected = reports.is_detection(measures)
-        reports.write_json(report, reports.detection(measures) if detected else measures)
+        reports.write_json(files.report, reports.detection(measures) if detected else measures)
     for line in reports.measures_in_words(measures):
-        click.echo(line)
-    for sentence in _sentences(item, caught, None if made is not None else output):
-        click.echo(f"warning: {sentence}", err=True)
+        work.say(line)
+    for sentence in _sentences(item, caught, None if made is not None else files.output):
+        work.warn(sentence)
+
+
+def _check_files(files: Files) -> None:
+    """Refuse every bad output path before the work starts."""
+    from meshlab_symrecon.host.files import check_output
+
+    outputs = [] if files.output is None else [files.output]
+    if not outputs and files.report is None:
+        raise click.UsageError("give -o OUT, or --json R.json, or both")
+    for path in outputs:
+        check_output(path, files.inputs)
+    if files.report is not None:
+        check_output(files.report, [*files.inputs, *outputs], ())
 
 
 def _sentences(

@@ -13,9 +13,10 @@ import click
 
 from meshlab_symrecon.errors import SymReconError, SymReconWarning
 
-__all__ = ["DONE", "FAILED", "INTERRUPTED", "BorderGroup", "exit_with"]
+__all__ = ["DONE", "FAILED", "INTERRUPTED", "BorderGroup", "exit_with", "sentence_of"]
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130  # 2 is click's, for wrong usage
+OF_SIGNALS = 128  # and the number of the signal: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP
 
 
 class BorderGroup(click.Group):
@@ -47,37 +48,76 @@ class BorderGroup(click.Group):
 
 
 def exit_with(call: Callable[[], Any]) -> NoReturn:
-    """Run a program and exit: with the number that it returns, or what its error stands for."""
-    with _warnings_as_sentences():
+    """Run a program and exit: with the number that it returns, or what its error stands for.
+
+    SIGINT, SIGTERM and SIGHUP end it within a second, and leave nothing half-written.
+    """
+    from meshlab_symrecon.host.interruption import interruptible
+
+    with interruptible(), _warnings_as_sentences():
         code = _guarded(call)
     sys.exit(code)
 
 
 def _guarded(call: Callable[[], Any]) -> int:
+    from meshlab_symrecon.host.interruption import signal_of_interruption
+
+    try:
+        return _code_of(call)
+    except (click.Abort, KeyboardInterrupt):
+        return _interrupted()
+    except Exception:
+        # Libraries turn the exception of a signal into others, by way of what they were doing.
+        if not signal_of_interruption():
+            raise
+        return _interrupted()
+
+
+def _interrupted() -> int:
+    """Tidy up, say the sentence; return the exit code."""
+    from meshlab_symrecon.host.interruption import (
+        SENTENCE,
+        interruption_settled,
+        signal_of_interruption,
+    )
+
+    number = signal_of_interruption()
+    interruption_settled()
+    _say(SENTENCE)
+    return OF_SIGNALS + number if number else INTERRUPTED
+
+
+def _code_of(call: Callable[[], Any]) -> int:
+    from meshlab_symrecon.host.interruption import signal_of_interruption
+
     try:
         result = call()
+    except click.Abort:
+        raise
     except click.ClickException as error:
         error.show()
         return error.exit_code
-    except (click.Abort, KeyboardInterrupt):
-        _say("interrupted; nothing was left half-written")
-        return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has gone, as in "symrecon filters | head"
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
     except Exception as error:  # what is not translated is raised again
-        sentence = _sentence(error)
-        if sentence is None:
+        sentence = sentence_of(error)
+        if sentence is None or signal_of_interruption():
             raise
         _say(f"error: {sentence}")
         return FAILED
     return result if isinstance(result, int) else DONE
 
 
-def _sentence(error: Exception) -> str | None:
+def sentence_of(error: Exception) -> str | None:
     """Return one sentence for an error of the outside world; None for a mistake of ours."""
     if isinstance(error, SymReconError):
         return str(error)
+    if isinstance(error, ImportError) and error.name in ("pymeshlab", "pmeshlab"):
+        return (
+            f"pymeshlab cannot be loaded: {error}; install what it lacks, on a server without a "
+            "screen often the packages libgl1 and libopengl0, or see docs/install.md"
+        )
     if isinstance(error, MemoryError):
         return "there is not enough memory for this; close programs or thin the scan out first"
     if isinstance(error, OSError):

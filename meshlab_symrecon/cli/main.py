@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 from meshlab_symrecon import __version__
@@ -10,8 +12,10 @@ from meshlab_symrecon.cli.batch import batch
 from meshlab_symrecon.cli.border import BorderGroup
 from meshlab_symrecon.cli.check import check
 from meshlab_symrecon.cli.filters import filters
+from meshlab_symrecon.cli.long_work import long_options
 from meshlab_symrecon.cli.reconstruct import reconstruct
 from meshlab_symrecon.cli.script import run
+from meshlab_symrecon.cli.threads import limited_threads
 from meshlab_symrecon.cli.upgrade import upgrade
 
 __all__ = ["main"]
@@ -19,13 +23,20 @@ __all__ = ["main"]
 
 @click.group("symrecon", cls=BorderGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="symrecon", message="%(prog)s %(version)s")
-def main() -> None:
+@click.pass_context
+def main(context: click.Context, /, threads: int | None, **of_commands: Any) -> None:
     """Complete statue scans from their own mirror symmetry, and close them.
 
-    Exit codes: 0 done, 1 an error (one sentence on stderr), 2 wrong usage, 130 interrupted.
+    --quiet, --log and --threads are for the commands that work on scans, before or after their
+    name.
+
+    Exit codes: 0 done, 1 an error (one sentence on stderr), 2 wrong usage, 130 interrupted (143 by
+    SIGTERM, 129 by SIGHUP).
     """
+    context.with_resource(limited_threads(threads))
 
 
+main.params += long_options()
 for command in (reconstruct, apply, run, batch, check, upgrade, filters):
     main.add_command(command)
 

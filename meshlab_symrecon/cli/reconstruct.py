@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from itertools import chain
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from meshlab_symrecon import __version__
-from meshlab_symrecon.cli.progress import progress_bar
+from meshlab_symrecon.cli.long_work import LongWork, long_work
 from meshlab_symrecon.errors import SymReconError
 
 if TYPE_CHECKING:
@@ -25,6 +25,8 @@ __all__ = ["reconstruct"]
 PICTURES = ("png",)
 PAGES = ("html", "htm")
 SEED_LIMIT = 2**31 - 1
+# Shares of the whole command that are done.
+METHOD_DONE, SURFACE_WRITTEN, PROJECT_WRITTEN, PREVIEW_DRAWN = 0.96, 0.97, 0.98, 0.99
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +84,7 @@ class Outputs:
     "--paint", is_flag=True,
     help="Colour the completed points and the surface by what was measured and what was invented.",
 )  # fmt: skip
+@long_work
 def reconstruct(
     scan: Path,
     output: Path,
@@ -89,6 +92,8 @@ def reconstruct(
     json_path: Path | None,
     preview: Path | None,
     report: Path | None,
+    *,
+    work: LongWork,
     **settings: Any,
 ) -> None:
     """Complete SCAN from its own mirror symmetry and close it with the Power Crust.
@@ -96,24 +101,24 @@ def reconstruct(
     Says what it found. When SCAN has no mirror plane, a warning says so and the surface closes
     what was measured.
     """
-    from meshlab_symrecon.host.files import save_current
     from meshlab_symrecon.host.reconstruction import whole_method
 
     started = time.perf_counter()
     outputs = Outputs(output, project, json_path, preview, report)
     _check_outputs(scan, outputs)
-    with progress_bar("reconstructing") as progress:
-        result = whole_method(scan, settings, progress)
-    save_current(result.mesh_set, output)
-    _write_extras(scan, outputs, result, settings)
+    with work.progress("reconstructing") as progress:
+        result = whole_method(
+            scan, settings, lambda fraction, message: progress(METHOD_DONE * fraction, message)
+        )
+        _write(scan, outputs, result, settings, progress)
     seconds = time.perf_counter() - started
     if json_path is not None:
         from meshlab_symrecon.cli.reports import write_json
 
         write_json(json_path, as_data(scan, outputs, result, settings, seconds))
     for line in in_words(scan, result):
-        click.echo(line)
-    click.echo(f"written         {output} in {seconds:.1f} s")
+        work.say(line)
+    work.say(f"written         {output} in {seconds:.1f} s")
 
 
 def _check_outputs(scan: Path, outputs: Outputs) -> None:
@@ -148,12 +153,22 @@ def _check_outputs(scan: Path, outputs: Outputs) -> None:
                 raise SymReconError(message)
 
 
-def _write_extras(
-    scan: Path, outputs: Outputs, result: Reconstruction, settings: Mapping[str, Any]
+def _write(
+    scan: Path,
+    outputs: Outputs,
+    result: Reconstruction,
+    settings: Mapping[str, Any],
+    progress: Callable[[float, str], None],
 ) -> None:
+    """Write all that was asked for but the JSON, which tells how long it took."""
+    from meshlab_symrecon.host.files import save_current
+
+    progress(METHOD_DONE, f"writing {outputs.surface}")
+    save_current(result.mesh_set, outputs.surface)
     if outputs.project is not None:
         from meshlab_symrecon.host.projects import save_project
 
+        progress(SURFACE_WRITTEN, f"writing {outputs.project}")
         labels = {identifier: label for label, identifier in result.layers.items()}
         save_project(
             result.mesh_set, outputs.project, inputs=[scan, outputs.surface], labels=labels
@@ -161,12 +176,15 @@ def _write_extras(
     if outputs.preview is not None:
         from meshlab_symrecon.host.atomic import replacing
 
+        progress(PROJECT_WRITTEN, f"drawing {outputs.preview}")
         with replacing(outputs.preview) as staged:
             _draw(scan, result, staged)
     if outputs.report is not None:
         from meshlab_symrecon.cli.report import write_report
 
+        progress(PREVIEW_DRAWN, f"drawing {outputs.report}")
         write_report(outputs.report, scan, result, command_line(scan, outputs, settings))
+    progress(1.0, "")
 
 
 def command_line(scan: Path, outputs: Outputs, settings: Mapping[str, Any]) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from meshlab_symrecon.cli.progress import progress_bar
+from meshlab_symrecon.cli.long_work import LongWork, long_work
 
 __all__ = ["run"]
 
@@ -32,11 +32,14 @@ __all__ = ["run"]
     "--json", "report", type=click.Path(path_type=Path), metavar="R.json",
     help="Also save what became of every step.",
 )  # fmt: skip
+@long_work
 def run(
     script: Path,
     inputs: tuple[Path, ...],
     output: Path,
     report: Path | None,
+    *,
+    work: LongWork,
     **how: bool,
 ) -> None:
     """Run a MeshLab filter script, old or new, on IN... and save the current layer.
@@ -55,14 +58,15 @@ def run(
     if report is not None:
         kept = [file for path in inputs for file in files_of(path)]
         check_output(report, [script, *kept, output], ())
-    with progress_bar(script.name) as progress:
+    with work.progress(script.name) as progress:
         result = run_on_files(script, inputs, output, **how, progress=progress)
     if report is not None:
         files = {"inputs": [str(path) for path in inputs], "output": str(output)}
         write_json(report, plain(result) | files)
     for step in result.steps:
-        _say(step)
-    click.echo(f"{_count(result.steps)} in {result.seconds:.1f} s, written {output}")
+        for line in _in_words(step):
+            work.say(line)
+    work.say(f"{_count(result.steps)} in {result.seconds:.1f} s, written {output}")
 
 
 def _count(steps: Any) -> str:
@@ -71,10 +75,12 @@ def _count(steps: Any) -> str:
     return count + (f" ({skipped} skipped)" if skipped else "")
 
 
-def _say(step: Any) -> None:
+def _in_words(step: Any) -> list[str]:
     from meshlab_symrecon.cli.reports import measures_in_words
 
     name = step.filter or f"'{step.name.strip()}'"
-    click.echo(f"{step.file}:{step.line}: {step.status} {name} ({step.seconds:.2f} s)")
-    for line in (*step.notes, *measures_in_words(step.measures)):
-        click.echo(f"    {line}")
+    lines = (*step.notes, *measures_in_words(step.measures))
+    return [
+        f"{step.file}:{step.line}: {step.status} {name} ({step.seconds:.2f} s)",
+        *(f"    {line}" for line in lines),
+    ]

@@ -25,6 +25,7 @@ from meshlab_symrecon.clustering.messages import (
 from meshlab_symrecon.clustering.neighbour_graph import Neighbours
 from meshlab_symrecon.clustering.similarities import all_similarities, similarity_quantile
 from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.one_thread import in_one_thread
 
 __all__ = ["AffinityPropagation"]
 
@@ -104,6 +105,7 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         self.n_neighbors = n_neighbors
         self.random_state = random_state
 
+    @in_one_thread
     def fit(self, X: ArrayLike, y: object = None) -> AffinityPropagation:
         """Find exemplars among the rows of X.
 

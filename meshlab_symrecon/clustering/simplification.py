@@ -24,6 +24,7 @@ from meshlab_symrecon.clustering.exemplar_levels import (
 )
 from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.geometry.bounds import require_extent
+from meshlab_symrecon.one_thread import in_one_thread
 
 __all__ = ["DETAIL", "LARGEST_DETAIL", "SimplifiedPoints", "simplify"]
 
@@ -63,6 +64,7 @@ class SimplifiedPoints:
     iterations: int
 
 
+@in_one_thread
 def simplify(
     points: Points,
     *,

@@ -44,7 +44,8 @@ def robust_diagonal(points: Points, share: float = 0.005) -> float:
     float
         Diagonal, in the units of the points.
     """
-    low, high = np.quantile(points, [share, 1.0 - share], axis=0)
+    ends = [np.quantile(points[:, axis], [share, 1.0 - share]) for axis in range(SPACE)]
+    low, high = np.transpose(ends)
     return float(np.linalg.norm(high - low))
 
 
@@ -117,7 +118,7 @@ def _rank(points: Points) -> int:
     """Return how many dimensions points span, but for rounding."""
     centred = points - points.mean(axis=0)
     axes = np.linalg.eigh(centred.T @ centred)[1]
-    widths = np.sort(np.ptp(centred @ axes, axis=0))[::-1]
+    widths = np.sort([np.ptp(centred @ axis) for axis in axes.T])[::-1]
     diagonal = float(np.linalg.norm(widths))
     limit = max(FLATNESS * diagonal, ROUNDING * float(np.abs(points).max()))
     return int(np.count_nonzero(widths > limit))

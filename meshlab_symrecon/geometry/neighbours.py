@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
@@ -12,6 +14,7 @@ from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
 __all__ = [
     "FREE_ANGLE",
     "NearestField",
+    "blocks",
     "border_points",
     "free_angles",
     "local_spacing",
@@ -24,6 +27,18 @@ __all__ = [
 
 FREE_ANGLE = np.radians(105.0)  # a straight rim leaves 180, an even interior at most about 60
 VOTERS, ENOUGH_VOTES = 9, 4  # the point itself counts
+BLOCK = 1 << 17  # rows that are worked on at once, so that what is in between stays small
+
+
+def blocks(count: int, report: Callable[[float], None] | None = None) -> Iterator[slice]:
+    """Yield the rows of a large array in blocks, for work that needs much memory a row, or time.
+
+    Before each, ``report`` is told the share that is done.
+    """
+    for start in range(0, count, BLOCK):
+        if report is not None:
+            report(start / count)
+        yield slice(start, min(start + BLOCK, count))
 
 
 def local_spacing(points: Points, neighbours: int = 4) -> Floats:
@@ -44,8 +59,10 @@ def local_spacing(points: Points, neighbours: int = 4) -> Floats:
     nearest = min(neighbours, len(points) - 1)
     if nearest < 1:
         return np.zeros(len(points))
-    distances = cKDTree(points).query(points, k=nearest + 1)[0]
-    spacing: Floats = distances[:, 1:].mean(axis=1)
+    tree = cKDTree(points)
+    spacing = np.zeros(len(points))
+    for rows in blocks(len(points)):
+        spacing[rows] = tree.query(points[rows], k=nearest + 1)[0][:, 1:].mean(axis=1)
     return spacing
 
 
@@ -221,10 +238,11 @@ def nearest_field(points: Points, cell: float, margin: float, most_cells: int) -
     widths = points.max(axis=0) + margin - low
     cell = max(cell, float(np.cbrt(np.prod(widths) / most_cells)))
     shape = np.ceil(widths / cell).astype(np.int64) + 1
-    cells = np.rint((points - low) / cell).astype(np.int64)
-    keys = (cells[:, 0] * shape[1] + cells[:, 1]) * shape[2] + cells[:, 2]
     occupants = np.full(int(np.prod(shape)), -1, dtype=np.int64)
-    occupants[keys] = np.arange(len(points))
+    for rows in blocks(len(points)):
+        cells = np.rint((points[rows] - low) / cell).astype(np.int64)
+        keys = (cells[:, 0] * shape[1] + cells[:, 1]) * shape[2] + cells[:, 2]
+        occupants[keys] = np.arange(rows.start, rows.stop)
     empty = (occupants < 0).reshape(tuple(shape))
     a, b, c = distance_transform_edt(empty, return_distances=False, return_indices=True)
     nearest = occupants[(a.astype(np.int64) * shape[1] + b) * shape[2] + c]

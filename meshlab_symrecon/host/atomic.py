@@ -13,6 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from meshlab_symrecon.errors import FileError
+from meshlab_symrecon.host.interruption import guard_folder, unbroken
 
 __all__ = [
     "STAGING_PREFIX",
@@ -23,6 +24,7 @@ __all__ = [
     "remove_staging",
     "replacing",
     "same_file",
+    "staging_prefix",
 ]
 
 STAGING_PREFIX = ".symrecon-"
@@ -84,7 +86,8 @@ def replacing(path: Path) -> Iterator[Path]:
     staging: Path | None = None
     try:
         remove_dead_staging(target.parent)
-        prefix = f"{STAGING_PREFIX}{os.getpid()}-{_machine()}-"
+        prefix = staging_prefix(os.getpid())
+        guard_folder(target.parent, prefix)
         staging = Path(tempfile.mkdtemp(prefix=prefix, dir=target.parent))
         yield staging / path.name
         _put_in_place(staging, path.name, target)
@@ -96,6 +99,11 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
+
+
+def staging_prefix(process: int) -> str:
+    """Return how the names begin of what a process of this machine is writing."""
+    return f"{STAGING_PREFIX}{process}-{_machine()}-"
 
 
 def remove_staging(folder: Path, process: int) -> None:
@@ -154,8 +162,9 @@ def _put_in_place(staging: Path, name: str, target: Path) -> None:
         check_target(place)
     for file in (*written, named):
         _flush(file)
-    for file, place in (*places.items(), (named, target)):
-        file.replace(place)
+    with unbroken():
+        for file, place in (*places.items(), (named, target)):
+            file.replace(place)
     for folder in {place.parent for place in (*places.values(), target)}:
         flush_folder(folder)
 

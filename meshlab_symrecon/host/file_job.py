@@ -9,6 +9,7 @@ from meshlab_symrecon.host.files import WRITABLE, check_output, new_document, sa
 from meshlab_symrecon.host.isolation import isolated
 from meshlab_symrecon.host.mlx import Script
 from meshlab_symrecon.host.projects import PROJECT, files_of, load_input, save_project
+from meshlab_symrecon.host.records import record_of
 from meshlab_symrecon.host.script import ScriptReport, checked_script, run_steps
 from meshlab_symrecon.plugin import Progress
 
@@ -77,8 +78,9 @@ def _done(
         load_input(path, mesh_set)
     report = run_steps(mesh_set, script, strict=strict, lenient=lenient, progress=progress)
     progress(1.0, f"writing {output}")
+    record = record_of(mesh_set, kept[1:])  # all but the script
     if output.suffix.lower() == f".{PROJECT}":
-        save_project(mesh_set, output, kept)
+        save_project(mesh_set, output, kept, record=record)
     else:
-        save_current(mesh_set, output)
+        save_current(mesh_set, output, record)
     return report

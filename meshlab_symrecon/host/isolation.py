@@ -18,7 +18,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -26,7 +26,8 @@ from typing import IO, TYPE_CHECKING, Any
 import psutil
 
 from meshlab_symrecon.errors import HostError
-from meshlab_symrecon.host.atomic import remove_staging
+from meshlab_symrecon.host.atomic import remove_staging, staging_prefix
+from meshlab_symrecon.host.interruption import guarded_child
 from meshlab_symrecon.host.isolated_child import LENGTH, Answer, Box, Job, Told
 from meshlab_symrecon.host.notices import warn_user
 
@@ -112,7 +113,7 @@ def isolated(
     function: Callable[..., Any],
     *arguments: Any,
     progress: Progress,
-    folders: Iterable[Path] = (),
+    folders: Sequence[Path] = (),
 ) -> Any:
     """Call ``function(*arguments, progress=...)`` in a child process; return what it returns.
 
@@ -122,7 +123,7 @@ def isolated(
         At the top of a module; it, its arguments and its result are pickled.
     progress : callable
         Told what the child tells.
-    folders : iterable of Path
+    folders : sequence of Path
         Where the child writes: what a crash leaves half-written there is removed.
 
     Raises
@@ -151,7 +152,7 @@ def run_child(
     function: Callable[..., Any],
     *arguments: Any,
     progress: Progress,
-    folders: Iterable[Path] = (),
+    folders: Sequence[Path] = (),
     bounds: Bounds | None = None,
     keep_words: bool = False,
 ) -> Ending:
@@ -182,9 +183,10 @@ def run_child(
         try:
             _hand_over(child, Job(function, arguments, bounds.memory))
             watch = _Watch(child, bounds, started)
-            watch.listen(progress)
-            if not watch.stopped:
-                overslept = _overslept(child)
+            with guarded_child(child.pid, folders, staging_prefix(child.pid)):
+                watch.listen(progress)
+                if not watch.stopped:
+                    overslept = _overslept(child)
         finally:
             _end(child)
             for written in folders:

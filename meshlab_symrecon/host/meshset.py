@@ -19,6 +19,7 @@ from meshlab_symrecon.errors import HostError
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.sources import source_of
 from meshlab_symrecon.host.translation import translated
+from meshlab_symrecon.one_thread import in_one_thread
 from meshlab_symrecon.plugin import Layer, Layers
 
 __all__ = [
@@ -172,6 +173,7 @@ def _rounded(colours: Floats) -> Floats:
     return shifted
 
 
+@in_one_thread
 def _in_world(
     matrix: Floats, points: Points, normals: Points, faces: Faces, identifier: int
 ) -> tuple[Points, Points, Faces]:

@@ -23,6 +23,7 @@ from meshlab_symrecon.host.project_files import (
     ProjectLayer,
     read_project,
 )
+from meshlab_symrecon.host.record_text import Record
 from meshlab_symrecon.host.translation import translated
 
 __all__ = [
@@ -168,6 +169,7 @@ def save_project(
     path: str | Path,
     inputs: Iterable[str | Path] = (),
     labels: Mapping[int, str] | None = None,
+    record: Record | None = None,
 ) -> None:
     """Save every layer beside a MeshLab project that lists them.
 
@@ -182,6 +184,8 @@ def save_project(
         Files that must stay as they are.
     labels : mapping of int to str, optional
         Labels in the project, by layer identifier; the layers' own where left out.
+    record : Record, optional
+        Goes into the header of every layer's file.
 
     Raises
     ------
@@ -204,7 +208,8 @@ def save_project(
     with replacing(path) as staged:
         for identifier, name in names.items():
             place = staged.parent / name
-            write_layer(mesh_set, identifier, path.parent / name, place, world=False)
+            output = path.parent / name
+            write_layer(mesh_set, identifier, output, place, world=False, record=record)
         staged.write_bytes(_project_text(mesh_set, shown, names).encode("utf-8"))
     pictures = mesh_set.raster_number()
     if pictures:

@@ -17,6 +17,7 @@ from meshlab_symrecon.host.scalars import (
     check_writable,
     write_scalars,
 )
+from meshlab_symrecon.one_thread import in_one_thread
 from meshlab_symrecon.plugin import Filter, Outcome, Progress
 from meshlab_symrecon.plugin.filter import silent
 from meshlab_symrecon.plugin.parameters import nearest_names
@@ -137,6 +138,7 @@ def _unknown(name: str) -> str:
     raise AssertionError(f"{name} is known")  # the caller looked it up
 
 
+@in_one_thread
 def run_filter(
     mesh_set: Any, item: Filter, values: Mapping[str, object], progress: Progress = silent
 ) -> dict[str, Any]:
@@ -152,6 +154,7 @@ def run_filter(
     parameters = item.bind(values)
     note = exact_steps.note_of(mesh_set, item, parameters.values())
     outcome = item.apply(layers_of(mesh_set), values, progress)
+    progress(1.0, "adding layers" if outcome.layers else "done")
     _write(mesh_set, item, outcome)
     native_steps = NATIVE_STEPS * len(outcome.scalars)
     if not history.record(mesh_set, item, parameters, note, native_steps):

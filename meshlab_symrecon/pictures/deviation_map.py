@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshlab_symrecon.arrays import as_faces, as_planes, as_points
 from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.one_thread import in_one_thread
 from meshlab_symrecon.pictures.deviation_colours import (
     UNKNOWN,
     colour_limit,
@@ -40,6 +41,7 @@ UNKNOWN_TOP = 0.76  # of the square for what has no counterpart
 MARKS = (1.0, 0.5, 0.0, -0.5, -1.0)  # shares of the limit that are written
 
 
+@in_one_thread
 def deviation_picture(  # noqa: PLR0913  # what a map shows, and how
     points: ArrayLike,
     faces: ArrayLike,

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from meshlab_symrecon.arrays import Booleans, Points, as_faces, as_planes, as_points, as_scalars
 from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.one_thread import in_one_thread
 from meshlab_symrecon.pictures.figure import Panel, save_panels
 from meshlab_symrecon.pictures.projection import Camera, fit, open_screen
 from meshlab_symrecon.pictures.renderer import render
@@ -32,6 +33,7 @@ WIDTHS = (560, 1100)  # pixels: the narrowest and the widest panel
 LEGEND = (("measured", MEASURED), ("invented", INVENTED))
 
 
+@in_one_thread
 def still(
     path: str | Path,
     items: Sequence[Item],
@@ -68,6 +70,7 @@ def _count(number: int) -> str:
     return f"{number:,}".replace(",", "\N{THIN SPACE}")
 
 
+@in_one_thread
 def main_job_picture(  # noqa: PLR0913, PLR0917  the seven arrays of the whole method, in its order
     scan_points: ArrayLike,
     planes: ArrayLike,

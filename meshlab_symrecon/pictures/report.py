@@ -8,6 +8,7 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
+from meshlab_symrecon.one_thread import in_one_thread
 from meshlab_symrecon.pictures.deviation_colours import STOPS, UNKNOWN, UNSIGNED_STOPS
 from meshlab_symrecon.pictures.report_scene import ReportScene, thinned
 from meshlab_symrecon.pictures.report_stills import Still, draw_stills
@@ -55,6 +56,7 @@ class ReportWords:
     footer: str
 
 
+@in_one_thread
 def report_page(scene: ReportScene, words: ReportWords) -> str:
     """Return a reconstruction as an HTML page that loads nothing from anywhere.
 

@@ -14,6 +14,7 @@ from meshlab_symrecon.arrays import Faces, Floats, Indices, Points, as_points
 from meshlab_symrecon.geometry.bounds import SPACE
 from meshlab_symrecon.geometry.surfaces import Topology, topology
 from meshlab_symrecon.geometry.triangulation import Triangulation, regular_triangulation
+from meshlab_symrecon.one_thread import in_one_thread
 from meshlab_symrecon.powercrust.caps import find_caps
 from meshlab_symrecon.powercrust.crust import (
     JOINS_DONE,
@@ -88,6 +89,7 @@ class PowerCrust:
     seconds: Mapping[str, float]
 
 
+@in_one_thread
 def reconstruct(
     points: Points,
     recipe: Recipe | None = None,

@@ -71,11 +71,13 @@ def _surface_poles(
     """Return the Delaunay triangulation, where it is still needed, the poles, and the outliers."""
     report = stages.begin("triangulating the samples", until=0.2)
     voronoi = delaunay(enclose(samples), progress=report)
-    stages.begin("finding poles", until=0.25)
+    report = stages.begin("finding poles", until=0.25)
     poles = find_poles(voronoi, len(samples))
+    report(0.6)
     needed = voronoi if recipe.surface == "interpolating" else None
     nobody = np.zeros(len(samples), dtype=bool)
     strange = nobody if recipe.keep_outliers else outliers(voronoi, poles)
+    report(0.8)
     if not strange.any() or not is_solid(samples[~strange]):
         return needed, poles, nobody
     again = replace(recipe, keep_outliers=True)

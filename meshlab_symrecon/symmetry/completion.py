@@ -22,8 +22,10 @@ from meshlab_symrecon.arrays import (
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
 from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
+from meshlab_symrecon.geometry.neighbours import blocks
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions, signed_distances
 from meshlab_symrecon.geometry.sampling import principal_frame
+from meshlab_symrecon.one_thread import in_one_thread
 from meshlab_symrecon.symmetry.asymmetry import asymmetry_field
 from meshlab_symrecon.symmetry.copying import off_lopsided_plinth, on_surface, standing_plane
 from meshlab_symrecon.symmetry.filling import (
@@ -31,12 +33,11 @@ from meshlab_symrecon.symmetry.filling import (
     any_missing,
     fill,
     neighbours,
-    part,
     surroundings,
 )
 from meshlab_symrecon.symmetry.open_rims import open_rims
 from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
-from meshlab_symrecon.symmetry.progress import Progress
+from meshlab_symrecon.symmetry.progress import Progress, part, share_of, silent
 
 __all__ = ["BLEND", "GAP", "CompletedPoints", "mirror_complete"]
 
@@ -47,6 +48,8 @@ ENOUGH = 200_000  # points on which the statue's asymmetry, its plinth and its r
 FEWEST = 500  # points below which nothing can be said about asymmetry
 SAMPLES = 16  # of the prepared cloud; they are for detection
 NODES = 4  # places between which an offset is interpolated
+LEANING = "following how the sides differ"
+SCAN_DONE, FILL = 0.35, 0.6  # shares of the time: looking at the scan, and filling
 MOST_AWAY = 0.02  # diagonals: between a plane and a cloud that just reaches it
 
 
@@ -65,6 +68,7 @@ class CompletedPoints:
     open_rims: Floats  # (k, 4)  centre and width of holes missing on both sides, widest first
 
 
+@in_one_thread
 def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     points: ArrayLike,
     planes: ArrayLike,
@@ -129,27 +133,33 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     directions = None if normals is None else as_normals(normals, count)
     paint = None if colours is None else _attribute(colours, count, "colours")
     worth = None if quality is None else _attribute(quality, count, "quality")
-    allowed = np.ones(count) if source is None else as_scalars(source, count, "source")
+    allowed = None if source is None else as_scalars(source, count, "source") != 0.0
 
-    scan = _scan(measured, directions, allowed != 0.0)
+    report = progress or silent
+    scan = _scan(measured, directions, allowed, part(report, 0.0, SCAN_DONE))
     kept = len(scan.number)
     positions, origin = scan.around.points, np.arange(kept)
-    turned = None if directions is None else directions[scan.number]
+    facing = np.zeros((0, 3))  # the normals of the images
     for step, plane in enumerate(mirrors):
-        if progress is not None:
-            progress(step / len(mirrors), "filling with mirror images")
+        low, high = (SCAN_DONE + FILL * number / len(mirrors) for number in (step, step + 1))
+        report(low, "filling with mirror images")
         _check_reached(positions, plane, step, scan.around.diagonal)
-        around = scan.around if step == 0 else surroundings(positions, turned, scan.around.diagonal)
-        images, chosen = _across(scan, around, origin, plane, gap, blend)
+        around = scan.around
+        if step > 0:
+            turned = scan.directions_with(facing)
+            around = surroundings(positions, turned, scan.around.diagonal)
+        of_plane = part(report, low, high)
+        images, chosen = _across(scan, around, origin, plane, (gap, blend), of_plane)
         positions = np.concatenate([positions, images])
         origin = np.concatenate([origin, origin[chosen]])
+        turned = scan.directions_with(facing)
         if turned is not None:
-            turned = np.concatenate([turned, reflect_directions(turned[chosen], plane)])
-    if progress is not None:
-        progress(1.0, "completed")
+            facing = np.concatenate([facing, reflect_directions(turned[chosen], plane)])
+        del turned
+    report(SCAN_DONE + FILL, "collecting the completed points")
     source_of = np.concatenate([np.arange(count), scan.number[origin[kept:]]])
-    mirrored_normals = None if turned is None else np.concatenate([directions, turned[kept:]])
-    return CompletedPoints(
+    mirrored_normals = None if directions is None else np.concatenate([directions, facing])
+    completed = CompletedPoints(
         points=np.concatenate([measured, positions[kept:]]),
         normals=mirrored_normals,
         colours=None if paint is None else paint[source_of],
@@ -160,6 +170,8 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
         plinth=int(np.count_nonzero(~scan.off_plinth(mirrors[0]))) if len(mirrors) else 0,
         open_rims=open_rims(positions[:: -(-len(positions) // ENOUGH)]),
     )
+    report(1.0, "completed")
+    return completed
 
 
 def _check_lengths(gap: float, blend: float) -> None:
@@ -197,9 +209,16 @@ class _Scan:
     """The measured surface, without scatter, and what is found out about it on demand."""
 
     number: Indices  # (k,)  of each point in the input
-    allowed: Booleans  # (k,)  may be mirrored
+    allowed: Booleans | None  # (k,)  may be mirrored; None: all of them
     around: Surroundings
     scattered: int  # points left out
+    directions: Points | None  # of the input
+
+    def directions_with(self, others: Points) -> Points | None:
+        """Return the normals of these points, then others; made when asked for, to save memory."""
+        if self.directions is None:
+            return None
+        return np.concatenate([self.directions[self.number], others])
 
     @cached_property
     def _even(self) -> slice:
@@ -223,51 +242,78 @@ class _Scan:
         return off_lopsided_plinth(around.points, around.field, around.usual, self._standing, plane)
 
 
-def _scan(points: Points, normals: Points | None, allowed: Booleans) -> _Scan:
+def _scan(
+    points: Points, normals: Points | None, allowed: Booleans | None, progress: Progress
+) -> _Scan:
     """Order a cloud along a space-filling curve, which makes searches fast, without scatter.
 
     Of points that coincide, the curve passes the first only.
     """
+    progress(0.0, "ordering the points")
     centre, axes = principal_frame(points)
-    framed = (points - centre) @ axes.T  # so that all that follows turns with the scan
+    framed = points - centre
+    framed = framed @ axes.T  # so that all that follows turns with the scan
     order = _native.curve_order(framed).astype(np.int64)
-    sides = None if normals is None else normals[order]
+    diagonal = robust_diagonal(framed)
+    del framed
     ordered = points[order]
-    known = neighbours(ordered)
-    around = surroundings(ordered, sides, robust_diagonal(framed[order]), known)
-    together = on_surface(ordered, *known)
+    looking = part(progress, 0.2, 0.8)
+    known = neighbours(ordered, share_of(looking, "looking at neighbourhoods"))
+    progress(0.8, "looking for the surface")
+    together = on_surface(ordered, known.width, known.nearest)
+    number = order[together]
+    sides = None if normals is None else normals[order]
     return _Scan(
-        number=order[together],
-        allowed=allowed[order[together]],
-        around=part(around, together),
+        number=number,
+        allowed=None if allowed is None else allowed[number],
+        around=surroundings(ordered, sides, diagonal, known, together),
         scattered=int(np.count_nonzero(~together)),
+        directions=normals,
     )
 
 
 def _across(
-    scan: _Scan, around: Surroundings, origin: Indices, plane: Floats, gap: float, blend: float
+    scan: _Scan,
+    around: Surroundings,
+    origin: Indices,
+    plane: Floats,
+    lengths: tuple[float, float],
+    progress: Progress,
 ) -> tuple[Points, Indices]:
     """Return the mirror images that fill gaps, and the points they are images of."""
-    worth = scan.allowed & scan.off_plinth(plane)
+    gap, blend = lengths
+    worth = scan.off_plinth(plane)
+    if scan.allowed is not None:
+        worth = worth & scan.allowed
     sources = np.flatnonzero(worth[origin])
-    images = reflect(around.points[sources], plane)
+    images = np.zeros((len(sources), 3))
+    for rows in blocks(len(sources)):
+        images[rows] = reflect(around.points[sources[rows]], plane)
     if blend > 0.0 and len(scan.number) >= FEWEST:
         if not any_missing(around, images, sources, plane, gap):
             return images[:0], sources[:0]
-        images = _leaning(scan.prepared, images, plane, blend)
-    filling = fill(around, images, sources, plane, gap)
+        progress(0.1, "learning how the sides differ")
+        cloud = scan.prepared
+        images = _leaning(cloud, images, plane, blend, part(progress, 0.3, 0.7))
+    filling = fill(around, images, sources, plane, gap, part(progress, 0.7, 1.0))
     return images[filling], sources[filling]
 
 
-def _leaning(cloud: PreparedCloud, images: Points, plane: Floats, blend: float) -> Points:
+def _leaning(
+    cloud: PreparedCloud, images: Points, plane: Floats, blend: float, progress: Progress
+) -> Points:
     """Move mirror images by what is known of the statue's asymmetry."""
+    progress(0.0, LEANING)
     field = asymmetry_field(cloud, plane, blend)
     if field is None:
         return images
     nodes = reflect(cloud.points @ cloud.axes * cloud.scale + cloud.centre, plane)
     offsets = field.offsets(nodes)
-    distances, nearest = cKDTree(nodes).query(images, k=NODES)
-    weights = np.exp(-((distances / np.maximum(distances[:, -1:], 1e-300)) ** 2))
-    weights /= weights.sum(axis=1, keepdims=True)
-    leaning: Points = images + np.einsum("nk,nki->ni", weights, offsets[nearest])
+    tree = cKDTree(nodes)
+    leaning = np.zeros(images.shape)
+    for rows in blocks(len(images), share_of(part(progress, 0.5, 1.0), LEANING)):
+        distances, nearest = tree.query(images[rows], k=NODES)
+        weights = np.exp(-((distances / np.maximum(distances[:, -1:], 1e-300)) ** 2))
+        weights /= weights.sum(axis=1, keepdims=True)
+        leaning[rows] = images[rows] + np.einsum("nk,nki->ni", weights, offsets[nearest])
     return leaning

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
+from meshlab_symrecon.arrays import Booleans, Floats, Points
 from meshlab_symrecon.geometry.bounds import robust_diagonal
-from meshlab_symrecon.geometry.neighbours import NearestField, principal_normals
+from meshlab_symrecon.geometry.neighbours import NearestField, blocks, principal_normals
 from meshlab_symrecon.geometry.planes import reflect, signed_distances
 from meshlab_symrecon.symmetry.cleaning import without_clutter
 from meshlab_symrecon.symmetry.plinth import FACE_WIDTH, plinth_top
@@ -26,15 +29,17 @@ LEAST_ON_ITSELF = 0.25  # share of such images; a hole takes some away, on one s
 TURNED = 0.02  # share of the others on either side: a plinth turned against the statue has both
 
 
-def on_surface(points: Points, distances: Floats, nearest: Indices) -> Booleans:
+def on_surface(points: Points, width: Floats, nearest: NDArray[np.integer[Any]]) -> Booleans:
     """Tell the points on measured surfaces from those scattered in space.
 
     Parameters
     ----------
     points : (n, 3) float
         The scan.
-    distances, nearest : (n, k) float, (n, k) int
-        To the nearest other points, and which they are.
+    width : (n,) float
+        Mean distance of each to the nearest other points.
+    nearest : (n, k) int
+        Which those are.
 
     Returns
     -------
@@ -42,9 +47,9 @@ def on_surface(points: Points, distances: Floats, nearest: Indices) -> Booleans:
         False for a point much farther from its neighbours than they are from theirs, and for one
         far from all others where they form no surface.
     """
-    width = distances.mean(axis=1)
-    usual = np.median(width[nearest], axis=1)
-    apart = width > APART * usual
+    apart = np.zeros(len(points), dtype=bool)
+    for rows in blocks(len(points)):
+        apart[rows] = width[rows] > APART * np.median(width[nearest[rows]], axis=1)
     alone = np.flatnonzero((width > ALONE * np.quantile(width, USUAL)) & ~apart)
     if len(alone):
         thickness = principal_normals(points, points[alone], FLAT_NEIGHBOURS)[1]

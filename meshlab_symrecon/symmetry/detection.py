@@ -11,6 +11,7 @@ from meshlab_symrecon.arrays import Floats, Planes, as_normals, as_planes, as_po
 from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.geometry.bounds import require_solid
 from meshlab_symrecon.geometry.planes import canonical_planes
+from meshlab_symrecon.one_thread import in_one_thread
 from meshlab_symrecon.symmetry.candidates import vote
 from meshlab_symrecon.symmetry.cascade import KEPT, QUERIES
 from meshlab_symrecon.symmetry.confidence import believable
@@ -138,6 +139,7 @@ def detect_reflection_planes(
     )
 
 
+@in_one_thread
 def refine_reflection_planes(
     points: ArrayLike,
     planes: ArrayLike,
@@ -187,6 +189,7 @@ def refine_reflection_planes(
     )
 
 
+@in_one_thread
 def verified_planes(
     points: ArrayLike,
     normals: ArrayLike | None = None,

@@ -35,6 +35,7 @@ from meshlab_symrecon.geometry.places import distinct_places
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions
 from meshlab_symrecon.geometry.sampling import principal_frame
 from meshlab_symrecon.geometry.surfaces import enclosed_volume, face_normals, topology
+from meshlab_symrecon.one_thread import in_one_thread
 from meshlab_symrecon.symmetry.progress import Progress, silent
 from meshlab_symrecon.symmetry.sides import CONSISTENT, agreement_with_shape, outward_normals
 
@@ -70,6 +71,7 @@ class MirrorDeviation:
     share_within: float  # share of the points that are within the tolerance
 
 
+@in_one_thread
 def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
     points: ArrayLike,
     plane: ArrayLike,

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -12,14 +15,18 @@ from scipy.spatial import cKDTree
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
 from meshlab_symrecon.geometry.neighbours import (
     NearestField,
+    blocks,
     nearest_field,
     principal_normals,
 )
 from meshlab_symrecon.geometry.planes import reflect_directions
 from meshlab_symrecon.symmetry.coverage import covered
 from meshlab_symrecon.symmetry.density import as_dense_as_around
+from meshlab_symrecon.symmetry.progress import Progress, silent
 
-__all__ = ["Surroundings", "any_missing", "fill", "neighbours", "part", "surroundings"]
+__all__ = ["Neighbours", "Surroundings", "any_missing", "fill", "neighbours", "surroundings"]
+
+SmallIndices: TypeAlias = NDArray[np.int32]
 
 NEIGHBOURS = 8
 SPACING_NEIGHBOURS = 4
@@ -31,6 +38,7 @@ PATCH_REACH = 2.0  # spacings between neighbours in a patch
 PATCH_NEIGHBOURS = 8
 NORMAL_NEIGHBOURS = 16
 CONSISTENT = 0.9  # share of the points whose normal faces as that of the nearest point does
+FILLING = "choosing what fills holes"
 FITTED = 60_000  # points to which normals are fitted
 
 
@@ -46,41 +54,65 @@ class Surroundings:
     usual: float  # its median in the scan
     diagonal: float
 
-    @property
-    def believed(self) -> Floats:
-        """The spacing of each point, (n,), within a factor of two of the usual one."""
+    def believed(self, chosen: SmallIndices) -> Floats:
+        """Return the spacing of some points, within a factor of two of the usual one."""
         low, high = SPACING_RANGE
-        within: Floats = np.clip(self.spacing, low * self.usual, high * self.usual)
+        within: Floats = np.clip(self.spacing[chosen], low * self.usual, high * self.usual)
         return within
 
 
-def neighbours(points: Points) -> tuple[Floats, Indices]:
-    """Return the distances (n, k) of points (n, 3) to the nearest others, and which those are."""
-    found = cKDTree(points).query(points, k=min(NEIGHBOURS + 1, len(points)))
-    return found[0][:, 1:], found[1][:, 1:]
+@dataclass(frozen=True, slots=True, eq=False)
+class Neighbours:
+    """The points nearest to each point of a cloud, itself left out."""
+
+    nearest: SmallIndices  # (n, k)  nearest first
+    spacing: Floats  # (n,)  mean distance to the first four
+    width: Floats  # (n,)  mean distance to all
+
+
+def neighbours(points: Points, report: Callable[[float], None] | None = None) -> Neighbours:
+    """Look up the eight points nearest to each of the points (n, 3), n at least 2.
+
+    ``report`` is told the share that is done.
+    """
+    count = min(NEIGHBOURS + 1, len(points))
+    tree = cKDTree(points)
+    nearest = np.zeros((len(points), count - 1), dtype=np.int32)
+    spacing, width = np.zeros(len(points)), np.zeros(len(points))
+    for rows in blocks(len(points), report):
+        distances, members = tree.query(points[rows], k=count)
+        nearest[rows] = members[:, 1:]
+        spacing[rows] = distances[:, 1 : SPACING_NEIGHBOURS + 1].mean(axis=1)
+        width[rows] = distances[:, 1:].mean(axis=1)
+    return Neighbours(nearest, spacing, width)
 
 
 def surroundings(
     points: Points,
     normals: Points | None,
     diagonal: float,
-    known: tuple[Floats, Indices] | None = None,
+    known: Neighbours | None = None,
+    kept: Booleans | None = None,
 ) -> Surroundings:
     """Look up the neighbourhood of every point (n, 3), n at least 2, along a space-filling curve.
 
     Where no normals (n, 3) are given, or where neighbours contradict each other, planes are
-    fitted. The diagonal is that of the scan; ``neighbours`` may be known already.
+    fitted. The diagonal is that of the scan; the neighbours may be known already. Points that are
+    not ``kept`` (n,) are left out; the spacing of the others is that in the whole.
     """
-    distances, nearest = neighbours(points) if known is None else known
-    spacing = distances[:, :SPACING_NEIGHBOURS].mean(axis=1)
-    given = None if normals is None else _consistent(normals, nearest[:, 0])
+    known = neighbours(points) if known is None else known
+    given = None if normals is None else _consistent(normals, known.nearest[:, 0])
+    directions = _fitted(points) if given is None else given
+    spacing, usual = known.spacing, float(np.median(known.spacing))
+    if kept is not None and not kept.all():
+        points, directions, spacing = points[kept], directions[kept], spacing[kept]
     return Surroundings(
         points=points,
-        directions=_fitted(points) if given is None else given,
+        directions=directions,
         outward=given is not None,
         field=_field(points, diagonal),
         spacing=spacing,
-        usual=float(np.median(spacing)),
+        usual=usual,
         diagonal=diagonal,
     )
 
@@ -89,18 +121,24 @@ def _field(points: Points, diagonal: float) -> NearestField:
     return nearest_field(points, FIELD_CELL * diagonal, FIELD_MARGIN * diagonal, FIELD_CELLS)
 
 
-def _consistent(normals: Points, nearest: Indices) -> Points | None:
+def _consistent(normals: Points, nearest: SmallIndices) -> Points | None:
     """Return unit normals, or None when those of points and the nearest (n,) contradict."""
     unit = _unit(normals)
-    agreement = np.einsum("ni,ni->n", unit, unit[nearest])
-    return unit if (agreement > 0.0).mean() >= CONSISTENT else None
+    alike = 0
+    for rows in blocks(len(unit)):
+        agreement = np.einsum("ni,ni->n", unit[rows], unit[nearest[rows]])
+        alike += int(np.count_nonzero(agreement > 0.0))
+    return unit if alike / len(unit) >= CONSISTENT else None
 
 
 def _unit(normals: Points) -> Points:
-    largest = np.abs(normals).max(axis=1, keepdims=True)
-    scaled = normals / np.where(largest > 0.0, largest, 1.0)  # whose squares are floats
-    lengths = np.linalg.norm(scaled, axis=1, keepdims=True)
-    return np.asarray(scaled / np.where(lengths > 0.0, lengths, 1.0), dtype=np.float64)
+    unit = np.zeros(normals.shape)
+    for rows in blocks(len(normals)):
+        largest = np.abs(normals[rows]).max(axis=1, keepdims=True)
+        scaled = normals[rows] / np.where(largest > 0.0, largest, 1.0)  # whose squares are floats
+        lengths = np.linalg.norm(scaled, axis=1, keepdims=True)
+        unit[rows] = scaled / np.where(lengths > 0.0, lengths, 1.0)
+    return unit
 
 
 def _fitted(points: Points) -> Points:
@@ -109,21 +147,11 @@ def _fitted(points: Points) -> Points:
     normals = principal_normals(even, even, NORMAL_NEIGHBOURS)[0]
     if len(even) == len(points):
         return normals
-    return normals[cKDTree(even).query(points)[1]]
-
-
-def part(around: Surroundings, kept: Booleans) -> Surroundings:
-    """Leave out points (n,); the spacing of the others stays as it was."""
-    if kept.all():
-        return around
-    points = around.points[kept]
-    return replace(
-        around,
-        points=points,
-        directions=around.directions[kept],
-        field=_field(points, around.diagonal),
-        spacing=around.spacing[kept],
-    )
+    tree = cKDTree(even)
+    fitted = np.zeros((len(points), 3))
+    for rows in blocks(len(points)):
+        fitted[rows] = normals[tree.query(points[rows])[1]]
+    return fitted
 
 
 def any_missing(
@@ -136,7 +164,12 @@ def any_missing(
 
 
 def fill(
-    around: Surroundings, images: Points, origin: Indices, plane: Floats, gap: float
+    around: Surroundings,
+    images: Points,
+    origin: Indices,
+    plane: Floats,
+    gap: float,
+    progress: Progress = silent,
 ) -> Booleans:
     """Choose the mirror images that fill holes.
 
@@ -152,6 +185,8 @@ def fill(
         The mirror plane.
     gap : float
         Multiples of the local spacing: an image nearer to a point fills nothing.
+    progress : callable
+        Called with a fraction and a message.
 
     Returns
     -------
@@ -159,11 +194,14 @@ def fill(
         True for those farther than the gap from every point, over no surface that faces the same
         way, together with others, and no denser than the points round them.
     """
+    progress(0.0, FILLING)
     chosen, nearest, reach = _open(around, images, gap)
     free = ~_hovering(around, images[chosen], origin[chosen], nearest, plane, reach)
     chosen, nearest = chosen[free], nearest[free]
+    progress(0.4, FILLING)
     joined = _in_patches(images[chosen], around.usual)
     chosen, nearest = chosen[joined], nearest[joined]
+    progress(0.7, FILLING)
     even = as_dense_as_around(
         images[chosen], around.spacing[origin[chosen]], around.points, around.spacing, nearest
     )
@@ -184,11 +222,18 @@ def _open(around: Surroundings, images: Points, gap: float) -> tuple[Indices, In
     reach : (o,) float
         The gap there.
     """
-    nearest = around.field.closest(images)
-    reach = gap * around.believed[nearest]
-    distances = np.linalg.norm(images - around.points[nearest], axis=1)
-    chosen = np.flatnonzero(distances > reach)
-    return chosen, nearest[chosen].astype(np.int64), reach[chosen]
+    chosen, nearest, reach = [], [], []
+    for rows in blocks(len(images)):
+        closest = around.field.closest(images[rows])
+        gaps = gap * around.believed(closest)
+        distances = np.linalg.norm(images[rows] - around.points[closest], axis=1)
+        far = np.flatnonzero(distances > gaps)
+        chosen.append(far + rows.start)
+        nearest.append(closest[far].astype(np.int64))
+        reach.append(gaps[far])
+    if not chosen:
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0)
+    return np.concatenate(chosen), np.concatenate(nearest), np.concatenate(reach)
 
 
 def _hovering(

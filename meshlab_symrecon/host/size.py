@@ -1,0 +1,250 @@
+"""What a job will take: memory estimated before it starts, and refused when there is not enough."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from meshlab_symrecon.errors import SizeError, UnknownFilterError
+from meshlab_symrecon.host.announced import Announced, announced_points
+from meshlab_symrecon.host.filter_names import known_today
+from meshlab_symrecon.host.free_memory import available_memory, used_memory
+
+__all__ = [
+    "RECONSTRUCT",
+    "Announced",
+    "announced_points",
+    "available_memory",
+    "check_memory",
+    "check_rest",
+    "memory_needed",
+]
+
+RECONSTRUCT = (
+    "compute_normal_for_point_clouds",
+    "generate_reflection_planes",
+    "generate_mirror_completed_points",
+    "generate_surface_reconstruction_power_crust",
+)
+
+MEGABYTE, GIGABYTE = 10**6, 10**9
+DIGITS = 2  # of the number of points that is recommended
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """The memory of one step, in bytes a point of the layer that it works on.
+
+    Attributes
+    ----------
+    base : int
+        Bytes, whatever the size.
+    work : int
+        While it runs, on top of the document.
+    kept : int
+        What its new layers add to the document.
+    points : float
+        The next step's points for each of this one's.
+    """
+
+    base: int
+    work: int
+    kept: int = 0
+    points: float = 1.0
+
+
+# Measured with ``benchmarks/growth.py``: the growth of the peak of resident memory in a process of
+# its own, two statues with 15 % missing, 10^5 ... 10^7 points; rounded up.
+PROCESS = 200 * MEGABYTE  # Python and its libraries
+READ_POINT, READ_FACE = 100, 75  # bytes: of a layer, while it is read
+SAVED_POINT = 60  # bytes: while it is written
+COSTS = {
+    "compute_normal_for_point_clouds": Cost(0, 90),
+    "generate_reflection_planes": Cost(150 * MEGABYTE, 350),
+    # A statue of which a quarter is missing has a third more points afterwards.
+    "generate_mirror_completed_points": Cost(150 * MEGABYTE, 600, kept=160, points=4 / 3),
+    "generate_surface_reconstruction_power_crust": Cost(
+        100 * MEGABYTE, 2_300, kept=300, points=2.0
+    ),
+    "generate_simplified_points": Cost(100 * MEGABYTE, 1_500, kept=80),
+    "compute_scalar_by_mirror_symmetry_per_vertex": Cost(150 * MEGABYTE, 600, kept=16),
+}
+ANY = Cost(0, 250)  # a filter that nothing is known of: two more copies of the layer
+
+
+def memory_needed(points: int, faces: int = 0, steps: Sequence[str] = RECONSTRUCT) -> int:
+    """Estimate the memory of a job, in bytes of the whole process.
+
+    The estimate is an upper bound for scans of which up to a quarter is missing: reading,
+    the steps one after the other on the layer that the step before has made, and writing.
+
+    Parameters
+    ----------
+    points, faces : int
+        Of the layer that is read.
+    steps : sequence of str
+        Filters by any of their names, in their order; none for reading and writing alone. By
+        default the whole method.
+    """
+    count = float(points)
+    document = READ_POINT * count + READ_FACE * faces
+    peak = document
+    for step in steps:
+        cost = _cost(step)
+        peak = max(peak, document + cost.base + cost.work * count)
+        document += cost.kept * count
+        count *= cost.points
+    return PROCESS + int(max(peak, document + SAVED_POINT * count))
+
+
+def _cost(step: str) -> Cost:
+    try:
+        found = known_today(step)
+    except UnknownFilterError:
+        found = None
+    return ANY if found is None else COSTS.get(found.python_name, ANY)
+
+
+def check_memory(
+    paths: str | Path | Iterable[str | Path],
+    limit: int | None = None,
+    *,
+    most: int | None = None,
+    steps: Sequence[str] = RECONSTRUCT,
+    work: str = "reconstruct",
+    option: str = "--max-points",
+) -> None:
+    """Refuse a job that would need more memory than there is, before it starts.
+
+    Files that do not announce their size are passed over.
+
+    Parameters
+    ----------
+    paths : path or paths
+        What is read into one document; the steps work on the largest.
+    limit : int, optional
+        Bytes that the whole process may take; what is available when left out.
+    most : int, optional
+        The points to which the scan will be thinned after it was read.
+    steps : sequence of str
+        As for ``memory_needed``.
+    work : str
+        What messages call the job.
+    option : str
+        What thins a scan in the command at hand; empty when nothing does.
+
+    Raises
+    ------
+    SizeError
+        The estimate is above the limit; the message says what to do.
+    """
+    listed = [paths] if isinstance(paths, str | Path) else list(paths)
+    sizes = {Path(path): announced_points(path) for path in listed}
+    known = {path: size for path, size in sizes.items() if size is not None}
+    if not known:
+        return
+    largest = max(known, key=lambda path: known[path].points)
+    others = [size for path, size in known.items() if path != largest]
+    beside = sum(READ_POINT * size.points + READ_FACE * size.faces for size in others)
+    free = (available_memory() if limit is None else limit) - beside
+    size = known[largest]
+    problem = _problem(size, free, most, steps, work, option)
+    if problem:
+        about = "" if size.exact else "about "
+        raise SizeError(f"{largest} has {about}{size.points} points; {problem}")
+
+
+def check_rest(
+    path: Path, points: int, steps: Sequence[str], limit: int | None = None, *, measured: int
+) -> None:
+    """Refuse the rest of a job when the document in memory turns out larger than was expected.
+
+    Parameters
+    ----------
+    path : Path
+        The scan, for the message.
+    points : int
+        Of the current layer.
+    steps : sequence of str
+        What is still to be done with it.
+    limit : int, optional
+        Bytes that the whole process may take; what is available when left out.
+    measured : int
+        The points that the job began with.
+
+    Raises
+    ------
+    SizeError
+        The estimate is above the limit; the message says what to do.
+    """
+    free = available_memory() if limit is None else limit - used_memory()
+    needed = _on_top(points, steps)
+    if needed > free:
+        share = max(0.0, free / needed)
+        fitting = _rounded(int(share * measured))
+        raise SizeError(
+            f"{path}: {points} points need about {_gigabytes(needed)} more in "
+            f"'{steps[-1]}' and {_gigabytes(free)} are free; {_advice(fitting, '--max-points')}"
+        )
+
+
+def _on_top(points: int, steps: Sequence[str]) -> int:
+    """Return what steps need on top of a document that is in memory."""
+    return memory_needed(points, 0, steps) - PROCESS - READ_POINT * points
+
+
+def _problem(
+    size: Announced, free: int, most: int | None, steps: Sequence[str], work: str, option: str
+) -> str:
+    """Return what is wrong, and what to do; empty when nothing is."""
+    there = f"{_gigabytes(free)} are free"
+    reading = memory_needed(size.points, size.faces, ())
+    if reading > free:
+        return (
+            f"reading them alone needs about {_gigabytes(reading)} and {there}; split the file "
+            "into parts, or use a machine with more memory"
+        )
+    used = size.points if most is None else min(most, size.points)
+    thinned = used < size.points
+    needed = memory_needed(used, 0 if thinned else size.faces, steps)
+    if needed <= free:
+        return ""
+    fitting = _fitting(free, steps, used)
+    on = f" on {used} of them" if thinned else ""
+    return f"{work}{on} needs about {_gigabytes(needed)} and {there}; {_advice(fitting, option)}"
+
+
+def _advice(fitting: int, option: str) -> str:
+    if fitting == 0:
+        return "close other programs, or use a machine with more memory"
+    if option:
+        return (
+            f"run it with {option} {fitting}, which thins the scan out evenly first, "
+            "or use a machine with more memory"
+        )
+    return (
+        f"simplify it to {fitting} points first (symrecon apply "
+        f"generate_simplified_point_cloud IN -o OUT --samplenum {fitting}), "
+        "or use a machine with more memory"
+    )
+
+
+def _fitting(free: int, steps: Sequence[str], points: int) -> int:
+    """Return the largest round number of points, below ``points``, that fits."""
+    low, high = 0, points
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if memory_needed(middle, 0, steps) <= free else (low, middle)
+    return _rounded(low)
+
+
+def _rounded(count: int) -> int:
+    """Round down to a few digits."""
+    unit = 10 ** max(0, len(str(count)) - DIGITS)
+    return count // unit * unit
+
+
+def _gigabytes(count: int) -> str:
+    shown = max(0, count) / GIGABYTE
+    return f"{shown:.0f} GB" if shown >= 10.0 else f"{shown:.1f} GB"
