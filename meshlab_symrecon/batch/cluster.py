@@ -118,9 +118,13 @@ def _check_workers(client: Any, address: str) -> None:
     except ImportError as error:
         message = f"a worker of {address} cannot import what it shall do: {error}"
         raise HostError(f"{message}; install meshlab-symrecon there, too") from error
-    here = versions()
+    here = _here()
     for worker, known in sorted(there.items()):
         for name, version in here.items():
             if known.get(name) != version:
                 message = f"the worker at {worker} has {name} {known.get(name)}, and here is"
                 raise HostError(f"{message} {version}; install the same versions on both")
+
+
+def _here() -> dict[str, str]:
+    return versions()

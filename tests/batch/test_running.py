@@ -125,7 +125,10 @@ def test_an_interrupted_batch_says_how_to_go_on(place, number, code):
     out = place / f"interrupted by {int(number)}"
     process = started(place, out.name)
     processes = working_at(process, out / "batch.jsonl", 1)
-    os.killpg(process.pid, number)  # as a terminal does, to all of its processes
+    if number == signal.SIGINT:
+        os.killpg(process.pid, number)  # as a terminal does, to all of its processes
+    else:
+        process.send_signal(number)
     _, said = process.communicate()
     assert process.returncode == code, said
     assert all_gone(processes)

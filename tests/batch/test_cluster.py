@@ -1,0 +1,127 @@
+"""A real scheduler on this machine, with two workers in processes of their own."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+import time
+
+import psutil
+import pytest
+from batch_inputs import SCRIPT, Witness, cloud
+
+from meshlab_symrecon.batch import Batch, run_batch
+from meshlab_symrecon.batch import cluster as cluster_module
+from meshlab_symrecon.errors import HostError, SymReconError
+
+pytest.importorskip("distributed")
+COUNT = 8
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("cluster")
+    (folder / "halve.mlx").write_text(SCRIPT)
+    for number in range(COUNT):
+        cloud(folder / "in" / f"s{number}.ply", 77 if number == 5 else 50 + number, number)
+    return folder
+
+
+def free_port():
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        return found.getsockname()[1]
+
+
+@pytest.fixture
+def scheduler(tmp_path):
+    """Start a scheduler; return its address and a function that starts a worker."""
+    address = f"tcp://127.0.0.1:{free_port()}"
+    started = []
+
+    def start(*words):
+        command = [sys.executable, "-m", "dask", *words, "--no-dashboard"]
+        process = subprocess.Popen(
+            command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+        started.append(process)
+        return process
+
+    start("scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2])
+    wait_for(address)
+    yield address, lambda: start("worker", address, "--nthreads", "1", "--no-nanny")
+    for process in started:
+        process.kill()
+        process.wait()
+
+
+def wait_for(address):
+    host, port = address.removeprefix("tcp://").split(":")
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline:
+        try:
+            socket.create_connection((host, int(port))).close()
+        except OSError:
+            time.sleep(0.1)
+        else:
+            return
+    raise AssertionError("the scheduler does not start")
+
+
+def wait_for_workers(address, count):
+    from distributed import Client
+
+    with Client(address, set_as_default=False) as client:
+        client.wait_for_workers(count, timeout=60)
+
+
+class Killer(Witness):
+    """Kill a worker, with what it is doing, when the first scan is done."""
+
+    def __init__(self, worker):
+        super().__init__()
+        self.worker, self.children = worker, []
+
+    def ended(self, report):
+        super().ended(report)
+        if not self.children:
+            self.children = psutil.Process(self.worker.pid).children(recursive=True)
+            self.worker.kill()
+
+
+def bytes_in(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.suffix != ".jsonl"}
+
+
+def test_a_worker_that_is_killed_in_the_middle_is_no_end(place, scheduler, monkeypatch):
+    address, worker = scheduler
+    monkeypatch.setattr(cluster_module, "PATIENCE", 2.0)
+    with pytest.raises(HostError, match="has no workers"):
+        run_batch(Batch(place / "halve.mlx", [place / "in"], place / "none", scheduler=address))
+    monkeypatch.undo()
+    first, _ = worker(), worker()
+    wait_for_workers(address, 2)
+    killer = Killer(first)
+    report = run_batch(
+        Batch(place / "halve.mlx", [place / "in"], place / "far", scheduler=address), killer
+    )
+    assert [one.status for one in report.scans].count("done") == COUNT - 1
+    assert report.scans[5].status == "crashed"
+    assert any("is gone; its scans are done again by others" in one for one in killer.sentences)
+    assert killer.children, "the worker was at work when it was killed"
+    _, alive = psutil.wait_procs(killer.children, timeout=5)
+    assert all(one.status() == psutil.STATUS_ZOMBIE for one in alive), alive
+    near = run_batch(Batch(place / "halve.mlx", [place / "in"], place / "near", jobs=2))
+    assert len(near.done) == COUNT - 1
+    assert bytes_in(place / "far") == bytes_in(place / "near")
+    here = {"meshlab_symrecon": "9.9"}
+    monkeypatch.setattr(cluster_module, "_here", lambda: here)
+    with pytest.raises(HostError, match=r"has meshlab_symrecon \d.*, and here is 9.9"):
+        run_batch(Batch(place / "halve.mlx", [place / "in"], place / "new", scheduler=address))
+
+
+def test_without_the_extra_the_command_that_installs_it_is_told(place, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(SymReconError, match=r"pip install 'meshlab-symrecon\[distributed\]'"):
+        run_batch(Batch(place / "halve.mlx", [place / "in"], place / "x", scheduler="tcp://a:1"))
