@@ -1,0 +1,105 @@
+"""``symrecon batch``: what it prints, writes and answers."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+SCRIPT = """<FilterScript>
+ <filter name="Transform: Scale, Normalize">
+  <Param type="RichFloat" name="axisX" value="0.5"/>
+ </filter>
+ <filter name="Compute Geometric Measures"/>
+</FilterScript>
+"""
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "halve.mlx").write_text(SCRIPT)
+    (tmp_path / "in").mkdir()
+    for name, size in (("a", 1), ("b", 2)):
+        rows = f"0 0 0\n{size} 0 0\n0 {size} 0\n0 0 {size}\n"
+        faces = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n"
+        (tmp_path / "in" / f"{name}.off").write_text(f"OFF\n4 4 0\n{rows}{faces}")
+    return tmp_path
+
+
+def test_a_batch_from_its_first_to_its_second_run(place, run):
+    options = ("batch", "halve.mlx", "in", "-d", "out", "--jobs", 1, "--json", "r.json")
+    done = run(*options)
+    assert done.exit_code == 0, done.stderr
+    assert "[2/2] done in/b.off" in done.stderr
+    table = done.stdout.splitlines()
+    assert table[0].split() == ["scan", "status", "seconds", "memory", "found"]
+    assert table[1].startswith("in/a.off  done")
+    assert table[-1].startswith("2 scans: 2 done in ")
+    summary = json.loads((place / "r.json").read_text())
+    log = [json.loads(line) for line in (place / "out/batch.jsonl").read_text().splitlines()]
+    assert (summary["total"], summary["done"], summary["failed"]) == (2, 2, 0)
+    assert [one["scan"] for one in summary["scans"]] == ["in/a.off", "in/b.off"]
+    assert summary["scans"][1]["measures"]["mesh_volume"] == pytest.approx(8 / 6 / 2)
+    assert {line["scan"]: line["output_sha256"] for line in log} == {
+        one["scan"]: one["output_sha256"] for one in summary["scans"]
+    }
+    once = run("run", "halve.mlx", "in/a.off", "-o", "a.ply")
+    assert once.exit_code == 0, once.stderr
+    assert (place / "a.ply").read_bytes() == (place / "out/a.ply").read_bytes()
+    (place / "in/c.off").write_text("OFF\nbroken")
+    again = run(*options)
+    assert again.exit_code == 1
+    assert again.stderr.splitlines()[-1].startswith("error: 1 of 3 scans have no result (1 failed)")
+    assert "[3/3] failed in/c.off" in again.stderr
+    assert "3 scans: 2 done, 1 failed (2 from an earlier run)" in again.stdout
+    quiet = run("batch", "halve.mlx", "in", "-d", "out", "--quiet")
+    assert quiet.exit_code == 1
+    assert quiet.stdout == ""
+    assert len(quiet.stderr.splitlines()) == 1
+
+
+def test_reconstruct_is_the_whole_method(place, statue, run):
+    done = run("batch", "reconstruct", statue, "-d", "out", "--seed", 3, "--jobs", 1)
+    assert done.exit_code == 0, done.stderr
+    assert "closed, genus 0" in done.stdout
+    (line,) = (place / "out/batch.jsonl").read_text().splitlines()
+    found = json.loads(line)
+    alone = run("reconstruct", statue, "-o", "alone.ply", "--json", "r.json", "--seed", 3)
+    assert alone.exit_code == 0, alone.stderr
+    expected = json.loads((place / "r.json").read_text())
+    for key in ("planes", "converged", "measured", "mirrored", "completion", "surface"):
+        assert found["measures"][key] == expected[key]
+    for key, value in expected["parameters"].items():
+        assert found["parameters"][key] == value
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "sentence"),
+    [
+        ((), 2, "Missing"),
+        (("halve.mlx", "in"), 2, "Missing option '-d'"),
+        (("halve.mlx", "in", "-d", "out", "--jobs", "0"), 2, "--jobs"),
+        (("halve.mlx", "in", "-d", "out", "--memory-limit", "much"), 2, "is no size of memory"),
+        (("halve.mlx", "in", "-d", "out", "--seed", "1"), 2, "are for reconstruct"),
+        (("reconstruct", "in", "-d", "out", "--strict"), 2, "are for scripts"),
+        (("halve.mlx", "in", "-d", "out", "--strict", "--lenient"), 2, "contradict"),
+        (("halve.mlx", "in", "-d", "o", "--jobs", "2", "--scheduler", "tcp://a:1"), 2, "--jobs is"),
+        (("halve.mlx", "nowhere", "-d", "out"), 1, "error: nowhere cannot be read: no such file"),
+        (("none.mlx", "in", "-d", "out"), 1, "error: none.mlx"),
+        (("halve.mlx", "in", "-d", "in"), 1, "error: the results would lie among the scans"),
+        (("halve.mlx", "in", "-d", "out", "--name", "x.ply"), 1, "would both become x.ply"),
+        (("halve.mlx", "in", "-d", "out", "--json", "halve.mlx"), 1, "would overwrite"),
+    ],
+)
+def test_mistakes(place, run, words, code, sentence):
+    done = run("batch", *words)
+    assert done.exit_code == code, done.stderr
+    assert sentence in done.stderr
+    assert not (place / "out").exists()
+
+
+def test_the_options_before_the_command_count_too(place, run):
+    done = run("--quiet", "batch", "halve.mlx", "in/a.off", "-d", "out", "--jobs", 1)
+    assert done.exit_code == 0
+    assert (done.stdout, done.stderr) == ("", "")
