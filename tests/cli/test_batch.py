@@ -40,7 +40,7 @@ def test_a_batch_from_its_first_to_its_second_run(place, run):
     log = [json.loads(line) for line in (place / "out/batch.jsonl").read_text().splitlines()]
     assert (summary["total"], summary["done"], summary["failed"]) == (2, 2, 0)
     assert [one["scan"] for one in summary["scans"]] == ["in/a.off", "in/b.off"]
-    assert summary["scans"][1]["measures"]["mesh_volume"] == pytest.approx(8 / 6 / 2)
+    assert summary["scans"][1]["measures"]["mesh_volume"] == pytest.approx(8 / 6 / 8)
     assert {line["scan"]: line["output_sha256"] for line in log} == {
         one["scan"]: one["output_sha256"] for one in summary["scans"]
     }
@@ -68,6 +68,8 @@ def test_reconstruct_is_the_whole_method(place, statue, run):
     alone = run("reconstruct", statue, "-o", "alone.ply", "--json", "r.json", "--seed", 3)
     assert alone.exit_code == 0, alone.stderr
     expected = json.loads((place / "r.json").read_text())
+    for one in (found["measures"], expected):
+        del one["surface"]["seconds"]
     for key in ("planes", "converged", "measured", "mirrored", "completion", "surface"):
         assert found["measures"][key] == expected[key]
     for key, value in expected["parameters"].items():
@@ -86,7 +88,7 @@ def test_reconstruct_is_the_whole_method(place, statue, run):
         (("halve.mlx", "in", "-d", "out", "--strict", "--lenient"), 2, "contradict"),
         (("halve.mlx", "in", "-d", "o", "--jobs", "2", "--scheduler", "tcp://a:1"), 2, "--jobs is"),
         (("halve.mlx", "nowhere", "-d", "out"), 1, "error: nowhere cannot be read: no such file"),
-        (("none.mlx", "in", "-d", "out"), 1, "error: none.mlx"),
+        (("none.mlx", "in", "-d", "out"), 1, "error: script none.mlx cannot be read"),
         (("halve.mlx", "in", "-d", "in"), 1, "error: the results would lie among the scans"),
         (("halve.mlx", "in", "-d", "out", "--name", "x.ply"), 1, "would both become x.ply"),
         (("halve.mlx", "in", "-d", "out", "--json", "halve.mlx"), 1, "would overwrite"),
