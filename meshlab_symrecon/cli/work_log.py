@@ -22,6 +22,7 @@ DATED = re.compile(rb"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d ")
 FORMAT = "%Y-%m-%d %H:%M:%S"
 SHOWN_VERSIONS = ("pymeshlab", "numpy", "scipy")
 MEGABYTE = 1 << 20
+SHORTEST = 0.005  # seconds of a stage that is worth a line
 
 
 class WorkLog:
@@ -81,8 +82,9 @@ class WorkLog:
         if name == self._stage:
             return
         now = time.perf_counter()
-        if self._stage:
-            self.say(f"{self._stage}: {now - self._stage_began:.2f} s{peak_memory()}")
+        seconds = now - self._stage_began
+        if self._stage and seconds >= SHORTEST:
+            self.say(f"{self._stage}: {seconds:.2f} s{peak_memory()}")
         self._stage, self._stage_began = name, now
 
     def end(self, how: str) -> None:
