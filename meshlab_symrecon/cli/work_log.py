@@ -10,8 +10,8 @@ import time
 import warnings
 from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
+from io import FileIO
 from pathlib import Path
-from typing import TextIO
 
 from meshlab_symrecon import __version__
 from meshlab_symrecon.errors import FileError
@@ -71,8 +71,8 @@ class WorkLog:
         """Append a line, and see that it is in the file."""
         line = " ".join(sentence.splitlines())
         try:
-            self._file.write(f"{time.strftime(FORMAT)} {line}\n")
-            self._file.flush()
+            text = f"{time.strftime(FORMAT)} {line}\n"
+            self._file.write(text.encode("utf-8", "backslashreplace"))
         except (OSError, ValueError) as error:  # the work is worth more than its log
             self.say = _nothing  # type: ignore[method-assign]
             warnings.warn(f"{self.path}: the log ends here: {error}", UserWarning, stacklevel=2)
@@ -108,11 +108,11 @@ def _may_be_log(path: Path, target: Path) -> bool:
     return not beginning or DATED.match(beginning) is not None
 
 
-def _appended_to(path: Path, target: Path) -> TextIO:
+def _appended_to(path: Path, target: Path) -> FileIO:
     from meshlab_symrecon.host.atomic import reason
 
     try:
-        return target.open("a", encoding="utf-8", errors="backslashreplace")
+        return target.open("ab", buffering=0)
     except OSError as error:
         raise FileError(f"{path} cannot be written: {reason(error)}; give another path") from error
 

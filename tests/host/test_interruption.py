@@ -1,4 +1,4 @@
-"""Signals at moments that are chosen: Python running, native code that keeps it waiting, renames."""
+"""Signals at chosen moments: Python running, native code that keeps it waiting, renames."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host import interruption
 from meshlab_symrecon.host.atomic import replacing, together
 from meshlab_symrecon.host.interruption import (
@@ -249,14 +250,18 @@ def is_running(process):
 
 
 def test_python_code_is_interrupted_by_an_exception():
+    def work():
+        with interruptible():
+            try:
+                signal.raise_signal(signal.SIGTERM)
+            finally:
+                signal.raise_signal(signal.SIGTERM)  # nothing: the first one counts
+                assert signal_of_interruption() == signal.SIGTERM
+                interruption_settled()
+
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
-    with pytest.raises(Interruption) as caught, interruptible():
-        try:
-            signal.raise_signal(signal.SIGTERM)
-        finally:
-            signal.raise_signal(signal.SIGTERM)  # nothing: the first one counts
-            assert signal_of_interruption() == signal.SIGTERM
-            interruption_settled()
+    with pytest.raises(Interruption) as caught:
+        work()
     assert caught.value.number == signal.SIGTERM
     assert isinstance(caught.value, KeyboardInterrupt)
     assert signal_of_interruption() == 0
@@ -265,13 +270,18 @@ def test_python_code_is_interrupted_by_an_exception():
 
 def test_an_interruption_waits_for_an_unbroken_block():
     done = []
-    with pytest.raises(Interruption), interruptible():
-        with unbroken():
+
+    def work():
+        with interruptible():
             with unbroken():
-                signal.raise_signal(signal.SIGINT)
-                done.append("inner")
-            done.append("outer")
-        done.append("after")
+                with unbroken():
+                    signal.raise_signal(signal.SIGINT)
+                    done.append("inner")
+                done.append("outer")
+            done.append("after")
+
+    with pytest.raises(Interruption):
+        work()
     assert done == ["inner", "outer"]
 
 
@@ -317,24 +327,53 @@ def test_files_take_their_places_together(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.ply", "b.json"]
 
 
-def test_after_an_error_what_is_whole_is_kept(tmp_path):
-    with pytest.raises(ValueError, match="drawing"), together():
-        with replacing(tmp_path / "a.ply") as staged:
-            staged.write_text("whole")
-        with replacing(tmp_path / "b.json") as staged:
+def write_two(folder, error):
+    """Write a file, and fail while the second one is written."""
+    with together():
+        with replacing(folder / "a.ply") as staged:
+            staged.write_text("new")
+        with replacing(folder / "b.json") as staged:
             staged.write_text("half")
-            raise ValueError("drawing")
+            raise error
+
+
+def test_after_an_error_what_is_whole_is_kept(tmp_path):
+    with pytest.raises(ValueError, match="drawing"):
+        write_two(tmp_path, ValueError("drawing"))
     assert [path.name for path in tmp_path.iterdir()] == ["a.ply"]
+    assert (tmp_path / "a.ply").read_text() == "new"
 
 
 def test_after_an_interruption_nothing_is_new(tmp_path):
     (tmp_path / "a.ply").write_text("old")
-    with pytest.raises(KeyboardInterrupt), together():
-        with replacing(tmp_path / "a.ply") as staged:
-            staged.write_text("new")
-        raise KeyboardInterrupt
+    with pytest.raises(KeyboardInterrupt):
+        write_two(tmp_path, KeyboardInterrupt())
     assert [path.name for path in tmp_path.iterdir()] == ["a.ply"]
     assert (tmp_path / "a.ply").read_text() == "old"
+
+
+def test_files_that_the_system_refuses_together(tmp_path, monkeypatch):
+    def refuse(*given):
+        raise PermissionError(13, "Permission denied")
+
+    def work():
+        with together(), replacing(tmp_path / "a.ply") as staged:
+            staged.write_text("new")
+            monkeypatch.setattr(Path, "replace", refuse)
+
+    with pytest.raises(FileError, match=r"a.ply cannot be written: Permission denied"):
+        work()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_writer_that_made_no_file_among_others(tmp_path):
+    def work():
+        with together(), replacing(tmp_path / "a.ply"):
+            pass
+
+    with pytest.raises(FileError, match="the writer made no file"):
+        work()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_copy_of_the_process_keeps_its_signals_to_itself():
