@@ -92,12 +92,12 @@ wheel: sdist
 	case "$$(ls dist/*.whl)" in *abi3*) $(RELEASE)/bin/abi3audit --strict dist/*.whl;; esac
 	$(PYTHON) -m venv $(RELEASE)/empty
 	$(RELEASE)/empty/bin/pip install --quiet --disable-pip-version-check pytest dist/*.whl
-	$(RELEASE)/empty/bin/python -m pytest tests/test_installed.py
+	$(RELEASE)/empty/bin/pytest tests/test_installed.py tests/test_arrays.py
 
 test-oldest:
 	test -x $(OLDEST)/bin/python || $(OLDEST_PYTHON) -m venv $(OLDEST)
 	$(OLDEST)/bin/pip install --quiet --disable-pip-version-check -c tests/oldest_versions.txt ".[dev,report]"
-	$(OLDEST)/bin/python -m pytest
+	$(OLDEST)/bin/pytest
 
 $(RELEASE)/installed: pyproject.toml
 	test -x $(RELEASE)/bin/python || $(PYTHON) -m venv $(RELEASE)

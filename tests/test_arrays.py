@@ -73,3 +73,15 @@ def test_types_and_shapes():
 def test_planes_are_scaled_to_unit_normals_and_stay_the_same_planes():
     given = np.array([[0.0, 3.0, 4.0, 10.0], [-2.0, 0.0, 0.0, 1.0]])
     np.testing.assert_allclose(as_planes(given), [[0.0, 0.6, 0.8, 2.0], [-1.0, 0.0, 0.0, 0.5]])
+
+
+def test_read_only_numbers_are_handed_on_as_they_are_but_not_views_of_what_may_change():
+    sealed = np.arange(12.0).reshape(4, 3).copy()
+    sealed.setflags(write=False)
+    assert as_points(sealed) is sealed
+    below = np.arange(12.0).reshape(4, 3).copy()
+    view = below[:2]
+    view.setflags(write=False)
+    converted = as_points(view)
+    below[:] = 7.0
+    assert np.array_equal(converted, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]])

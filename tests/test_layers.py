@@ -28,7 +28,8 @@ ALLOWED = {
     "filters": KERNEL | ALGORITHMS | {"plugin"},
     "host": BORDER | {"_native", "plugin"},  # _native: the standard streams only
     "pictures": BORDER,
-    "cli": BORDER | {"plugin", "host", "pictures"},
+    "batch": BORDER | {"plugin", "host"},
+    "cli": BORDER | {"plugin", "host", "pictures", "batch"},
     "": {"errors", "host", "plugin"},  # the package itself, lazily
 }
 

@@ -113,6 +113,11 @@ def sentence_of(error: Exception) -> str | None:
     """Return one sentence for an error of the outside world; None for a mistake of ours."""
     if isinstance(error, SymReconError):
         return str(error)
+    if isinstance(error, ImportError) and error.name in ("pymeshlab", "pmeshlab"):
+        return (
+            f"pymeshlab cannot be loaded: {error}; install what it lacks, on a server without a "
+            "screen often the packages libgl1 and libopengl0, or see docs/install.md"
+        )
     if isinstance(error, MemoryError):
         return "there is not enough memory for this; close programs or thin the scan out first"
     if isinstance(error, OSError):

@@ -8,6 +8,7 @@ import click
 
 from meshlab_symrecon import __version__
 from meshlab_symrecon.cli.apply import apply
+from meshlab_symrecon.cli.batch import batch
 from meshlab_symrecon.cli.border import BorderGroup
 from meshlab_symrecon.cli.check import check
 from meshlab_symrecon.cli.filters import filters
@@ -18,6 +19,8 @@ from meshlab_symrecon.cli.threads import limited_threads
 from meshlab_symrecon.cli.upgrade import upgrade
 
 __all__ = ["main"]
+
+BATCH_GRACE = 8.0  # seconds to end its processes after Ctrl-C
 
 
 @click.group("symrecon", cls=BorderGroup, context_settings={"help_option_names": ["-h", "--help"]})
@@ -32,11 +35,15 @@ def main(context: click.Context, /, threads: int | None, **of_commands: Any) -> 
     Exit codes: 0 done, 1 an error (one sentence on stderr), 2 wrong usage, 130 interrupted (143 by
     SIGTERM, 129 by SIGHUP).
     """
+    from meshlab_symrecon.host.interruption import unhurried
+
     context.with_resource(limited_threads(threads))
+    if context.invoked_subcommand == batch.name:
+        context.with_resource(unhurried(BATCH_GRACE))
 
 
 main.params += long_options()
-for command in (reconstruct, apply, run, check, upgrade, filters):
+for command in (reconstruct, apply, run, batch, check, upgrade, filters):
     main.add_command(command)
 
 if __name__ == "__main__":

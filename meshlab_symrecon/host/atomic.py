@@ -9,7 +9,7 @@ import shutil
 import tempfile
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,9 @@ from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.interruption import guard_folder, unbroken
 
 __all__ = [
+    "STAGING_PREFIX",
     "check_target",
+    "flush_folder",
     "reason",
     "remove_dead_staging",
     "remove_staging",
@@ -199,7 +201,16 @@ def _is_running(process: int) -> bool:
         return False
     except OSError:  # it is another user's
         return True
-    return True
+    return not _is_zombie(process)
+
+
+def _is_zombie(process: int) -> bool:
+    """Say whether a process has ended, and nobody has asked yet how: in containers nobody may."""
+    try:
+        state = Path(f"/proc/{process}/stat").read_bytes().rpartition(b")")[2].split()
+    except OSError:  # it has just been asked, or this is no Linux
+        return False
+    return state[:1] in ([b"Z"], [b"X"])
 
 
 def _put_in_place(staging: Path, name: str, target: Path) -> None:
@@ -216,6 +227,20 @@ def _put_in_place(staging: Path, name: str, target: Path) -> None:
     with unbroken():
         for file, place in (*places.items(), (named, target)):
             file.replace(place)
+    for folder in {place.parent for place in (*places.values(), target)}:
+        flush_folder(folder)
+
+
+def flush_folder(folder: Path) -> None:
+    """Have a directory's entries on the disk, so that a loss of power does not undo a renaming."""
+    if os.name != "posix":  # there is no such call on Windows, whose file systems keep a journal
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):  # some network file systems cannot; the files are whole even so
+            os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def _flush(file: Path) -> None:

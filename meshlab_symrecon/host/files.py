@@ -11,7 +11,6 @@ import numpy as np
 import pymeshlab
 
 from meshlab_symrecon.errors import FileError, HostError
-from meshlab_symrecon.host import inspection
 from meshlab_symrecon.host.atomic import check_target, reason, replacing, same_file
 from meshlab_symrecon.host.copies import changed_copy, needs_wedges
 from meshlab_symrecon.host.exporting import export
@@ -24,10 +23,13 @@ from meshlab_symrecon.host.formats import (
     contents_of,
     lost_in,
 )
+from meshlab_symrecon.host.held import Held, check_box
 from meshlab_symrecon.host.importing import after_loading
+from meshlab_symrecon.host.inspection import inspect
 from meshlab_symrecon.host.material_names import with_plain_names
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.ply_plain import with_plain_data
 from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.record_text import Record, put_record
 from meshlab_symrecon.host.translation import translated
@@ -48,7 +50,6 @@ READABLE = (
     "es", "fbx", "glb", "gltf", "pdb", "pts", "ptx", "qobj", "tri", "txt", "vmi", "wrl", "x3d",
     "x3dv",
 )  # fmt: skip
-PLAIN = ("off", "xyz")  # MeshLab's readers of these do not crash, so no child process reads first
 
 
 def new_document() -> Any:
@@ -80,23 +81,18 @@ def load(path: str | Path, mesh_set: Any = None) -> Any:
         MeshLab left out points whose coordinates are not numbers.
     """
     path = Path(path)
-    announced = _checked_before(path)
+    held = _checked_before(path)
     mesh_set = new_document() if mesh_set is None else mesh_set
     before = {mesh.id() for mesh in mesh_set}
+    readable = path
     try:
         with translated(f"{path} cannot be read"), process_kept(), _readable(path) as readable:
             mesh_set.load_new_mesh(str(readable))
     except HostError as error:
-        raise FileError(f"{error}; write or download it again") from error
+        message = str(error).replace(str(readable), str(path))
+        raise FileError(f"{message}; write or download it again") from error
     new = [int(mesh.id()) for mesh in mesh_set if mesh.id() not in before]
-    loaded = sum(mesh_set.mesh(identifier).vertex_number() for identifier in new)
-    if loaded == 0:
-        raise FileError(f"{path} holds no points; scan again or pick another file")
-    if announced is not None and loaded < announced:
-        warn_user(
-            f"{path}: {announced - loaded} of {announced} points have coordinates that are "
-            "not numbers; MeshLab left them out"
-        )
+    _compare(mesh_set, new, path, held)
     try:
         for identifier in new:
             after_loading(mesh_set, identifier, path)
@@ -106,16 +102,42 @@ def load(path: str | Path, mesh_set: Any = None) -> Any:
     return mesh_set
 
 
+def _compare(mesh_set: Any, new: list[int], path: Path, held: Held) -> None:
+    """Compare what was loaded with what the file holds; say what is missing."""
+    loaded = sum(mesh_set.mesh(identifier).vertex_number() for identifier in new)
+    if loaded == 0:
+        raise FileError(f"{path} holds no points; scan again or pick another file")
+    for identifier in new:
+        if mesh_set.mesh(identifier).vertex_number():
+            check_box(path, mesh_set.mesh(identifier))
+    for note in held.notes:
+        warn_user(note)
+    if held.unusable:
+        words = f"{path}: {held.unusable} of {held.points} points have coordinates that are "
+        faces = f" with {held.lost_faces} faces that use them" if held.lost_faces else ""
+        warn_user(f"{words}not numbers; MeshLab left them out{faces}")
+    if loaded != held.points - held.unusable and not held.merged:
+        words = f"MeshLab read {loaded} of the {held.points - held.unusable} points that it holds"
+        warn_user(f"{path}: {words}; look at what was read, or write the file again")
+    faces = sum(mesh_set.mesh(identifier).face_number() for identifier in new)
+    if held.triangles is not None and faces < held.triangles and not held.lost_faces:
+        words = f"MeshLab made {faces} triangles of faces that can be cut into {held.triangles}"
+        warn_user(f"{path}: {words}; corners that come twice and bent polygons are left out")
+
+
 def _readable(path: Path) -> AbstractContextManager[Path]:
-    """Return the path, or one under which MeshLab finds the images of an OBJ file."""
-    return with_plain_names(path) if path.suffix.lower() == ".obj" else nullcontext(path)
+    """Return the path, or one under which MeshLab reads all that the file holds."""
+    extension = path.suffix.lower()
+    if extension == ".obj":
+        return with_plain_names(path)
+    return with_plain_data(path) if extension == ".ply" else nullcontext(path)
 
 
-def _checked_before(path: Path) -> int | None:
-    """Check a file before MeshLab touches it; return the vertices it announces, if it does."""
+def _checked_before(path: Path) -> Held:
+    """Check a file before MeshLab touches it; return what it holds."""
     try:
         _check_readable(path)
-        return _checked_content(path, _extension(path, READABLE, "read"))
+        return inspect(path, _extension(path, READABLE, "read"))
     except FileError:
         raise
     except (OSError, ValueError) as error:
@@ -131,18 +153,6 @@ def _check_readable(path: Path) -> None:
     with path.open("rb") as file:
         if not file.read(1):
             raise FileError(f"{path} is empty; write or download it again")
-
-
-def _checked_content(path: Path, extension: str) -> int | None:
-    if extension == "ply":
-        return inspection.check_ply(path)
-    if extension == "obj":
-        inspection.check_obj(path)
-    elif extension == "stl":
-        inspection.check_stl(path)
-    elif extension not in PLAIN:
-        inspection.try_in_child(path)
-    return None
 
 
 def _extension(path: Path, known: Iterable[str], verb: str) -> str:

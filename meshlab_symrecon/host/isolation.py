@@ -1,60 +1,112 @@
 """Work in a child process, so that a crash of native code ends as an error, not as the end of ours.
 
-The child is a fresh interpreter, since a fork of a process in which OpenMP has run may hang. It
-reads its job from a file, tells its progress on its standard output, line by line, and leaves its
-answer in another file.
+The child is a fresh interpreter, since a fork of a process in which OpenMP has run may hang. Its
+job goes through its standard input, its progress and answer come through its standard output:
+nothing is left on the disk, however it ends. It ends with its parent. Nothing here imports
+pymeshlab, so a process that only looks after children stays small.
 """
 
 from __future__ import annotations
 
-import copyreg
-import json
+import contextlib
 import os
 import pickle
+import queue
 import signal
 import subprocess
 import sys
 import tempfile
-import warnings
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
-import pymeshlab
+import psutil
 
-from meshlab_symrecon import _native
-from meshlab_symrecon.errors import HostError, SymReconError, SymReconWarning
+from meshlab_symrecon.errors import HostError
 from meshlab_symrecon.host.atomic import remove_staging, staging_prefix
 from meshlab_symrecon.host.interruption import guarded_child
+from meshlab_symrecon.host.isolated_child import LENGTH, Answer, Box, Job, Told
 from meshlab_symrecon.host.notices import warn_user
-from meshlab_symrecon.plugin import Progress
 
-__all__ = ["Box", "isolated"]
+if TYPE_CHECKING:
+    from meshlab_symrecon.plugin import Progress
 
-JOB, ANSWER = "job.pickle", "answer.pickle"
-CHILD = "from meshlab_symrecon.host.isolation import main; main()"
+__all__ = [
+    "ABANDONED",
+    "OUT_OF_MEMORY",
+    "TIMED_OUT",
+    "Bounds",
+    "Box",
+    "Ending",
+    "crash_in_words",
+    "isolated",
+    "run_child",
+]
+
+CHILD = "from meshlab_symrecon.host.isolated_child import main; main()"
 WINDOWS_FAULT = 0xC0000000  # exit codes from here on are crashes there
+TICK = 0.05  # seconds between two looks at what the child uses
+LAST_BREATH = 10.0  # seconds for a child to end after its answer
+WORDS = 4000  # characters that are kept of what a child prints
+TIMED_OUT, OUT_OF_MEMORY, ABANDONED = "timed out", "out of memory", "abandoned"
+
+
+def _always() -> bool:
+    return True
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
-    """A bounding box of pymeshlab, which cannot travel itself."""
+class Bounds:
+    """What a child process may use, and whether it is still wanted.
 
-    low: Any
-    high: Any
+    Attributes
+    ----------
+    seconds : float or None
+    memory : int or None
+        Bytes of resident memory.
+    environment : mapping of str to str
+        Added to ours.
+    wanted : callable
+        Asked all the time; the child is ended when it says no.
+    """
 
-    def min(self) -> Any:
-        """Return the lowest corner, (3,)."""
-        return self.low
+    seconds: float | None = None
+    memory: int | None = None
+    environment: Mapping[str, str] = field(default_factory=dict)
+    wanted: Callable[[], bool] = _always
 
-    def max(self) -> Any:
-        """Return the highest corner, (3,)."""
-        return self.high
 
-    def diagonal(self) -> float:
-        """Return the length of the diagonal."""
-        return float(sum((self.high - self.low) ** 2) ** 0.5)
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """How a child process ended.
+
+    Attributes
+    ----------
+    answer : Answer or None
+        None when it crashed or was stopped.
+    code : int
+        Its exit code; below zero the signal that ended it.
+    stopped : str
+        Why it was ended from here: one of the words above; empty when it ended itself.
+    doing : str
+        What it told last.
+    seconds : float
+    peak_memory : int
+        Bytes of resident memory; of a child without an answer the most that was seen.
+    words : str
+        The end of what it printed, when that was kept.
+    """
+
+    answer: Answer | None
+    code: int
+    stopped: str
+    doing: str
+    seconds: float
+    peak_memory: int
+    words: str = ""
 
 
 def isolated(
@@ -86,83 +138,175 @@ def isolated(
     SymReconWarning
         As the function.
     """
-    with tempfile.TemporaryDirectory(prefix="symrecon-") as folder:
-        Path(folder, JOB).write_bytes(pickle.dumps((function, arguments)))
+    ending = run_child(function, *arguments, progress=progress, folders=folders)
+    if ending.answer is None:
+        raise HostError(crash_in_words(ending))
+    for sentence in ending.answer.warnings:
+        warn_user(sentence)
+    if ending.answer.error is not None:
+        raise ending.answer.error
+    return ending.answer.result
+
+
+def run_child(
+    function: Callable[..., Any],
+    *arguments: Any,
+    progress: Progress,
+    folders: Sequence[Path] = (),
+    bounds: Bounds | None = None,
+    keep_words: bool = False,
+) -> Ending:
+    """Call a function in a child process as ``isolated`` does; return how that ended.
+
+    The child and its own children are gone when this returns, or raises (when ``progress`` does,
+    or an interruption comes).
+
+    Parameters
+    ----------
+    bounds : Bounds, optional
+    keep_words : bool
+        Keep what the child prints out of our standard error stream.
+    """
+    bounds = bounds or Bounds()
+    started = time.monotonic()
+    with tempfile.TemporaryFile() if keep_words else contextlib.nullcontext() as words:
         child = subprocess.Popen(  # noqa: S603  our own interpreter, our own program
-            [sys.executable, "-c", CHILD, folder, str(os.getpid())],
+            [sys.executable, "-c", CHILD, str(os.getpid())],
+            stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            text=True,
-            encoding="utf-8",
-            env=os.environ | {"PYTHONSAFEPATH": "1"},  # a numpy.py in the folder here is not ours
-            start_new_session=True,  # a terminal's Ctrl-C is for us; we end the child
+            stderr=words,
+            # A numpy.py in the folder here is not ours.
+            env=os.environ | {"PYTHONSAFEPATH": "1"} | dict(bounds.environment),
+            start_new_session=True,  # it is ended from here, with all of its own children
         )
+        overslept = False
         try:
+            _hand_over(child, Job(function, arguments, bounds.memory))
+            watch = _Watch(child, bounds, started)
             with guarded_child(child.pid, folders, staging_prefix(child.pid)):
-                doing = _listened(child.stdout, progress)
-                code = child.wait()
+                watch.listen(progress)
+                if not watch.stopped:
+                    overslept = _overslept(child)
         finally:
-            child.kill()
-            child.wait()
-            if child.stdout is not None:
-                child.stdout.close()
+            _end(child)
             for written in folders:
                 remove_staging(written, child.pid)
-        answer = Path(folder, ANSWER)
-        if code != 0 or not answer.exists():
-            raise HostError(_crash(doing, code))
-        result, error, sentences = pickle.loads(answer.read_bytes())  # noqa: S301  our own child's
-    for sentence in sentences:
-        warn_user(sentence)
-    if error is not None:
-        raise error
-    return result
+        whole = child.returncode == 0 or overslept
+        return Ending(
+            answer=watch.answer if whole and not watch.stopped else None,
+            code=child.returncode,
+            stopped=watch.stopped,
+            doing=watch.doing,
+            seconds=time.monotonic() - started,
+            peak_memory=max(watch.peak, watch.answer.peak_memory if watch.answer else 0),
+            words="" if words is None else _tail(words),
+        )
 
 
-def _listened(stream: IO[str] | None, progress: Progress) -> str:
-    """Pass the child's progress on until it ends; return what it was doing last."""
-    doing = ""
-    for line in stream or ():
-        fraction, doing = json.loads(line)
-        progress(fraction, doing)
-    return doing
-
-
-def _crash(doing: str, code: int) -> str:
+def crash_in_words(ending: Ending) -> str:
+    """Return one sentence for a child that ended without an answer."""
+    code = ending.code
     if code < 0:
-        how = f"by {signal.Signals(-code).name}"
+        how = f"by {_signal_name(-code)}"
     else:
         how = f"with exit code {code:#x}" if code >= WINDOWS_FAULT else f"with exit code {code}"
-    where = f"{doing}: " if doing else ""
+    where = f"{ending.doing}: " if ending.doing else ""
     return (
         f"{where}MeshLab's native code ended the process {how}; nothing was written; leave that "
         "step out, or run it in the MeshLab program"
     )
 
 
-def _reduced_box(box: Any) -> tuple[type[Box], tuple[Any, Any]]:
-    return Box, (box.min(), box.max())
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:  # a real-time one
+        return f"signal {number}"
 
 
-def main() -> None:
-    """Do the job in the folder that is named on the command line, while the parent lives."""
-    folder, parent = Path(sys.argv[1]), int(sys.argv[2])
-    if not _native.end_with_parent(parent):
-        return
-    channel = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # what native code prints does not disturb the channel
-    copyreg.pickle(pymeshlab.BoundingBox, _reduced_box)
+class _Watch:
+    """What a child tells, and whether it stays within its bounds."""
 
-    def progress(fraction: float, message: str) -> None:
-        channel.write(json.dumps([float(fraction), message]) + "\n")
-        channel.flush()
+    def __init__(self, child: subprocess.Popen[bytes], bounds: Bounds, started: float) -> None:
+        self.child, self.bounds, self.started = child, bounds, started
+        self.answer: Answer | None = None
+        self.doing, self.stopped, self.peak = "", "", 0
+        self._heard: queue.SimpleQueue[Told | Answer | None] = queue.SimpleQueue()
+        with contextlib.suppress(psutil.Error):
+            self._process = psutil.Process(child.pid)
 
-    function, arguments = pickle.loads((folder / JOB).read_bytes())  # noqa: S301  our own parent's
-    result, error = None, None
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", SymReconWarning)
-        try:
-            result = function(*arguments, progress=progress)
-        except SymReconError as refused:
-            error = refused
-    sentences = [str(one.message) for one in caught if issubclass(one.category, SymReconWarning)]
-    (folder / ANSWER).write_bytes(pickle.dumps((result, error, sentences)))
+    def listen(self, progress: Progress) -> None:
+        """Pass the child's progress on until it ends, or oversteps its bounds."""
+        threading.Thread(target=self._read, daemon=True).start()
+        looked = 0.0
+        while not self.stopped:
+            with contextlib.suppress(queue.Empty):
+                heard = self._heard.get(timeout=TICK)
+                if heard is None:
+                    return
+                if isinstance(heard, Answer):
+                    self.answer = heard
+                else:
+                    self.doing = heard.message
+                    progress(heard.fraction, heard.message)
+            if time.monotonic() - looked >= TICK:
+                self.stopped = self._overstepped()
+                looked = time.monotonic()
+
+    def _read(self) -> None:
+        """Take what comes through the pipe, until the child's end of it is closed."""
+        stream = self.child.stdout
+        with contextlib.suppress(OSError, ValueError):  # it is closed from the other thread
+            while stream is not None and len(head := stream.read(LENGTH.size)) == LENGTH.size:
+                size = LENGTH.unpack(head)[0]
+                if len(data := stream.read(size)) < size:
+                    break
+                self._heard.put(pickle.loads(data))  # noqa: S301  our own child's
+        self._heard.put(None)
+
+    def _overstepped(self) -> str:
+        bounds = self.bounds
+        with contextlib.suppress(psutil.Error, AttributeError):  # it has just ended
+            self.peak = max(self.peak, self._process.memory_info().rss)
+        if bounds.memory is not None and self.peak > bounds.memory:
+            return OUT_OF_MEMORY
+        if bounds.seconds is not None and time.monotonic() - self.started > bounds.seconds:
+            return TIMED_OUT
+        return "" if bounds.wanted() else ABANDONED
+
+
+def _hand_over(child: subprocess.Popen[bytes], job: Job) -> None:
+    """Send the job; the pipe stays open, since its end tells the child of ours."""
+    data = pickle.dumps(job)
+    with contextlib.suppress(BrokenPipeError):  # it has crashed already, which is seen later
+        if child.stdin is not None:
+            child.stdin.write(LENGTH.pack(len(data)) + data)
+            child.stdin.flush()
+
+
+def _overslept(child: subprocess.Popen[bytes]) -> bool:
+    """Wait for a child that has closed its pipe; say whether it hangs all the same."""
+    try:
+        child.wait(LAST_BREATH)
+    except subprocess.TimeoutExpired:
+        return True
+    return False
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    """Kill a child with its own children, if they still run, and close the pipes."""
+    if hasattr(os, "killpg"):
+        with contextlib.suppress(OSError):  # nobody of that group is left
+            os.killpg(child.pid, signal.SIGKILL)
+    child.kill()
+    child.wait()
+    for stream in (child.stdin, child.stdout):
+        if stream is not None:
+            with contextlib.suppress(OSError):
+                stream.close()
+
+
+def _tail(words: IO[bytes]) -> str:
+    words.seek(0, os.SEEK_END)
+    words.seek(max(0, words.tell() - WORDS))
+    return words.read().decode("utf-8", "replace")

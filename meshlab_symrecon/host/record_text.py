@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import json
+import math
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.atomic import reason
 
-__all__ = ["Input", "Record", "Step", "put_record", "read_record"]
+__all__ = ["Input", "Record", "Step", "put_record", "read_record", "record_text"]
 
 LAYOUT = 1  # of the text; a later one may say more
 MARK = b"comment meshlab_symrecon "
 LINE = 400  # bytes at most; the least that a reader in use takes is 1024
 TEXT_LIMIT = 1 << 16  # bytes
+DEPTH = 16  # results that were made one from the other, each with the record of the one before
 HEADER_LIMIT = 1 << 20  # bytes
 END = "end_header"  # some readers look for it anywhere
 HIDDEN_END = "end\\u005fheader"  # the same to JSON
@@ -54,8 +56,8 @@ class Record:
     steps : tuple of Step
         Every filter in order.
     left_out : mapping of str to int
-        How many ``steps``, ``inputs`` and ``records`` of inputs there was no room for; the oldest
-        steps go first.
+        How many ``steps``, ``inputs``, ``parameters`` and ``records`` of inputs there was no room
+        for; the oldest steps go first.
     """
 
     versions: Mapping[str, str]
@@ -94,6 +96,7 @@ def put_record(file: Path, record: Record) -> None:
 
 def record_text(record: Record) -> str:
     """Return a record as one text of printable ASCII without a space, shortened if need be."""
+    record = _within(record, DEPTH)
     text = _text(record)
     while len(text) > TEXT_LIMIT:
         record = _shortened(record)
@@ -106,25 +109,44 @@ def _text(record: Record) -> str:
     return text.replace(" ", "\\u0020").replace("\x7f", "\\u007f").replace(END, HIDDEN_END)
 
 
+def _within(record: Record, depth: int) -> Record:
+    """Leave out the records of inputs that are more than so deep in each other."""
+    if depth > 1:
+        inputs = tuple(
+            item if item.record is None else replace(item, record=_within(item.record, depth - 1))
+            for item in record.inputs
+        )
+        return replace(record, inputs=inputs)
+    return _without_earlier(record)
+
+
+def _without_earlier(record: Record) -> Record:
+    told = sum(item.record is not None for item in record.inputs)
+    if not told:
+        return record
+    inputs = tuple(replace(item, record=None) for item in record.inputs)
+    return replace(record, inputs=inputs, left_out=_more(record, "records", told))
+
+
+def _more(record: Record, what: str, count: int) -> dict[str, int]:
+    return {**record.left_out, what: record.left_out.get(what, 0) + count}
+
+
 def _shortened(record: Record) -> Record:
-    """Leave out the records of inputs, else the older half of the steps, else of the inputs."""
-    inputs, steps, parameters = record.inputs, record.steps, record.parameters
-    left_out = {"steps": 0, "inputs": 0, "records": 0} | dict(record.left_out)
-    told = sum(item.record is not None for item in inputs)
-    if told:
-        inputs = tuple(Input(item.name, item.sha256) for item in inputs)
-        left_out["records"] += told
-    elif steps:
-        lost = (len(steps) + 1) // 2
-        steps = steps[lost:]
-        left_out["steps"] += lost
-    elif inputs:
-        lost = (len(inputs) + 1) // 2
-        inputs = inputs[: len(inputs) - lost]
-        left_out["inputs"] += lost
-    else:
-        parameters = {}
-    return Record(record.versions, inputs, parameters, steps, left_out)
+    """Leave out the records of inputs, else half of the steps, else of the inputs, else more."""
+    shorter = _without_earlier(record)
+    if shorter is not record:
+        return shorter
+    if record.steps:
+        lost = (len(record.steps) + 1) // 2
+        left_out = _more(record, "steps", lost)
+        return replace(record, steps=record.steps[lost:], left_out=left_out)
+    if record.inputs:
+        kept = len(record.inputs) // 2
+        left_out = _more(record, "inputs", len(record.inputs) - kept)
+        return replace(record, inputs=record.inputs[:kept], left_out=left_out)
+    left_out = _more(record, "parameters", len(record.parameters))
+    return replace(record, parameters={}, left_out=left_out)
 
 
 def _pieces(text: str) -> list[bytes]:
@@ -155,7 +177,8 @@ def read_record(path: str | Path) -> Record | None:
     if not text:
         return None
     try:
-        return _record_of(json.loads(text.decode("ascii")))
+        data = json.loads(text.decode("ascii"), parse_float=_finite, parse_constant=_finite)
+        return _record_of(data, DEPTH)
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
         message = f"{path}: the record in its header is damaged; remove the lines '{MARK.decode()}'"
         raise FileError(message) from error
@@ -174,10 +197,19 @@ def _marked(file: BinaryIO) -> list[bytes]:
     return found
 
 
-def _record_of(data: Any) -> Record:
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"a finite number was expected; got {text:.60}")
+    return number
+
+
+def _record_of(data: Any, depth: int) -> Record:
+    if depth == 0:
+        raise ValueError(f"more than {DEPTH} records are in each other")
     return Record(
-        versions=_of_texts(data["versions"]),
-        inputs=tuple(_input_of(item) for item in data["inputs"]),
+        versions={name: _text_of(value) for name, value in data["versions"].items()},
+        inputs=tuple(_input_of(item, depth) for item in data["inputs"]),
         parameters=dict(data["parameters"].items()),
         steps=tuple(
             Step(_text_of(step["filter"]), dict(step["parameters"].items()))
@@ -187,14 +219,10 @@ def _record_of(data: Any) -> Record:
     )
 
 
-def _input_of(data: Any) -> Input:
+def _input_of(data: Any, depth: int) -> Input:
     earlier = data.get("record")
-    record = None if earlier is None else _record_of(earlier)
+    record = None if earlier is None else _record_of(earlier, depth - 1)
     return Input(_text_of(data["name"]), _text_of(data["sha256"]), record)
-
-
-def _of_texts(data: Any) -> dict[str, str]:
-    return {name: _text_of(value) for name, value in data.items()}
 
 
 def _text_of(value: Any) -> str:

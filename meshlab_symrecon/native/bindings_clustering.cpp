@@ -10,21 +10,23 @@ template <typename T>
 using Matrix = nb::ndarray<const T, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
 EdgeTable table_of(const Matrix<std::int32_t>& targets, const Matrix<double>& similarities) {
-  if (targets.shape(0) != similarities.shape(0) || targets.shape(1) != similarities.shape(1))
-    throw std::invalid_argument("one similarity an edge is needed");
+  require(targets.shape(0) == similarities.shape(0) && targets.shape(1) == similarities.shape(1),
+          "one similarity an edge is needed");
   return {targets.shape(1), {targets.data(), targets.size()}, {similarities.data(), similarities.size()}};
 }
 
-void require_known_points(const EdgeTable& table, std::size_t points) {
-  for (const std::int32_t target : table.targets)
-    if (target < 0 || std::size_t(target) >= points) throw std::out_of_range("edge to an unknown point");
+void require_own_edges(const EdgeTable& table, std::size_t points) {
+  require(table.width > 0, "each row needs an edge");
+  for (std::size_t i = 0; i < points; ++i) {
+    require(table.targets[i * table.width] == std::int32_t(i), "each row must start with the edge to itself");
+    require(std::isfinite(table.similarities[i * table.width]), "the similarity to itself must be finite");
+  }
 }
 
-void require_own_edges(const EdgeTable& table, std::size_t points) {
-  if (table.width == 0) throw std::invalid_argument("each row needs an edge");
-  for (std::size_t i = 0; i < points; ++i)
-    if (table.targets[i * table.width] != std::int32_t(i))
-      throw std::invalid_argument("each row must start with the edge to itself");
+MessageSchedule schedule_of(double damping, std::int32_t most, std::int32_t calm) {
+  require(most >= 0 && calm >= 0, "iterations cannot be fewer than none");
+  require(damping >= 0.0 && damping < 1.0, "damping must be at least 0 and less than 1");
+  return {damping, most, calm};
 }
 
 // Asks a Python callable, which returns similarities and targets, or nothing.
@@ -36,12 +38,12 @@ class Neighbours {
     nb::gil_scoped_acquire hold;
     const nb::object answer = ask_(give(std::vector<std::int32_t>(rows)), width);
     if (answer.is_none()) return {};
-    const nb::tuple pair = nb::cast<nb::tuple>(answer);
-    similarities_ = nb::cast<Matrix<double>>(pair[0]);
-    targets_ = nb::cast<Matrix<std::int32_t>>(pair[1]);
+    const bool is_pair = nb::isinstance<nb::tuple>(answer) && nb::len(answer) == 2;
+    if (!is_pair || !nb::try_cast(answer[0], similarities_) || !nb::try_cast(answer[1], targets_))
+      throw nb::type_error("an answer is None, or a matrix of similarities and one of targets");
     const EdgeTable table = table_of(targets_, similarities_);
-    if (targets_.shape(0) != rows.size()) throw std::invalid_argument("one row a point is needed");
-    require_known_points(table, points_);
+    require(targets_.shape(0) == rows.size(), "one row a point is needed");
+    require_known(table.targets, points_, "edge to an unknown point");
     return table;
   }
 
@@ -65,19 +67,19 @@ nb::tuple propagate_sparse_of(const Matrix<double>& similarities, const Matrix<s
   MoreEdges ask;
   if (!more.is_none()) ask = std::ref(neighbours);
   return as_tuple(without_gil([&] {
-    require_known_points(table, points);
+    require_known(table.targets, points, "edge to an unknown point");
     require_own_edges(table, points);
-    return propagate_sparse_affinity(table, {damping, most, calm}, ask, stop_on_interrupt);
+    return propagate_sparse_affinity(table, schedule_of(damping, most, calm), ask, stop_on_interrupt);
   }));
 }
 
 nb::tuple propagate_dense_of(const Matrix<double>& similarities, double damping, std::int32_t most,
                              std::int32_t calm) {
   const std::size_t points = similarities.shape(0);
-  if (similarities.shape(1) != points) throw std::invalid_argument("a square matrix is needed");
+  require(similarities.shape(1) == points, "a square matrix is needed");
   return as_tuple(without_gil([&] {
-    return propagate_dense_affinity(points, {similarities.data(), similarities.size()}, {damping, most, calm},
-                                    stop_on_interrupt);
+    return propagate_dense_affinity(points, {similarities.data(), similarities.size()},
+                                    schedule_of(damping, most, calm), stop_on_interrupt);
   }));
 }
 

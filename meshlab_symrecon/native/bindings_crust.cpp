@@ -18,10 +18,22 @@ nb::tuple give_surface(SampledSurface&& surface) {
                         give_rows<std::int32_t>(std::move(surface.faces)), give(std::move(surface.nearest)));
 }
 
+void require_sampled(const Places& points, const Rows<std::int32_t, 3>& faces, const Numbers& nearest,
+                     const Places& samples, const Row<double>& spacing) {
+  require(nearest.shape(0) == points.shape(0), "one nearest sample a vertex is needed");
+  require(spacing.shape(0) == samples.shape(0), "one spacing a sample is needed");
+  require_known(view(faces), points.shape(0), "faces of unknown vertices");
+  require_known(view(nearest), samples.shape(0), "vertices at unknown samples");
+}
+
 nb::tuple polygons_of(Cells cells, Cells neighbours, Row<std::uint8_t> inside, const nb::object& progress) {
   const Progress report = reporter(progress);
-  Polygons polygons =
-      without_gil([&] { return mixed_edge_polygons(view(cells), view(neighbours), view(inside), report); });
+  Polygons polygons = without_gil([&] {
+    require_cells(view(cells), inside.shape(0));
+    require_neighbours(view(neighbours), view(cells));
+    require_marks(view(inside), "a site is inside (1) or not (0)");
+    return mixed_edge_polygons(view(cells), view(neighbours), view(inside), report);
+  });
   return nb::make_tuple(give(std::move(polygons.cells)), give(std::move(polygons.offsets)),
                         give(std::move(polygons.corners)));
 }
@@ -30,8 +42,15 @@ nb::tuple vertices_of(Places centres, Row<double> radii, Cells samples, Places s
                       Cells cells, Numbers chosen, double reach, const nb::object& progress) {
   const Progress report = reporter(progress);
   const PolarBalls balls{view(centres), view(radii), view(samples), view(sites), sample_count};
-  PowerVertices vertices =
-      without_gil([&] { return power_vertices(balls, view(cells), view(chosen), reach, report); });
+  PowerVertices vertices = without_gil([&] {
+    require(radii.shape(0) == centres.shape(0) && samples.shape(0) == centres.shape(0),
+            "one radius and four samples a ball are needed");
+    require(sample_count >= 0 && std::size_t(sample_count) <= sites.shape(0), "samples must be among the sites");
+    require_known(view(samples), sites.shape(0), "balls at unknown sites");
+    require_known(view(cells), centres.shape(0), "cell of unknown balls");
+    require_known(view(chosen), cells.shape(0), "unknown cells are chosen");
+    return power_vertices(balls, view(cells), view(chosen), reach, report);
+  });
   return nb::make_tuple(give_rows<double>(std::move(vertices.positions)), give(std::move(vertices.nearest)));
 }
 
@@ -39,6 +58,12 @@ nb::tuple joined_of(Places positions, Numbers nearest, Numbers offsets, Numbers 
                     const nb::object& progress) {
   const Progress report = reporter(progress);
   return give_surface(without_gil([&] {
+    require(nearest.shape(0) == positions.shape(0), "one nearest sample a corner is needed");
+    require_known(view(nearest), samples.shape(0), "corners at unknown samples");
+    require_known(view(corners), positions.shape(0), "polygons with unknown corners");
+    require_rows(view(offsets), corners.shape(0));
+    for (std::size_t k = 0; k + 1 < offsets.shape(0); ++k)
+      require(view(offsets)[k + 1] - view(offsets)[k] > 2, "a polygon needs three corners");
     return join_at_samples(view(positions), view(nearest), view(offsets), view(corners), view(samples), report);
   }));
 }
@@ -47,24 +72,36 @@ nb::tuple contracted_of(Places points, Rows<std::int32_t, 3> faces, Numbers near
                         Row<double> spacing, double weld, double flat, const nb::object& progress) {
   const Progress report = reporter(progress);
   return give_surface(without_gil([&] {
+    require_sampled(points, faces, nearest, samples, spacing);
+    require_finite(view(points), "points must be finite");
     return contract_edges(view(points), view(faces), view(nearest), {view(samples), view(spacing)}, {weld, flat},
                           report);
   }));
 }
 
 nb::ndarray<nb::numpy, std::int32_t> keepers_of(Places points, Row<double> reach, Numbers order, double widest) {
-  return give(without_gil([&] { return nearest_kept(view(points), view(reach), view(order), widest); }));
+  return give(without_gil([&] {
+    require(reach.shape(0) == points.shape(0), "one reach a point is needed");
+    require_finite(view(points), "points must be finite");
+    require_known(view(order), points.shape(0), "an order of unknown points");
+    return nearest_kept(view(points), view(reach), view(order), widest);
+  }));
 }
 
 nb::ndarray<nb::numpy, std::int32_t> far_faces_of(Places points, Rows<std::int32_t, 3> faces, Numbers nearest,
                                                   Places samples, Row<double> spacing, double multiple) {
   return give(without_gil([&] {
+    require_sampled(points, faces, nearest, samples, spacing);
     return far_faces(view(points), view(faces), view(nearest), view(samples), view(spacing), multiple);
   }));
 }
 
 nb::tuple topology_of(Rows<std::int32_t, 3> faces, std::int32_t vertex_count) {
-  SurfaceTopology found = without_gil([&] { return surface_topology(view(faces), vertex_count); });
+  SurfaceTopology found = without_gil([&] {
+    require(vertex_count >= 0, "there cannot be fewer than no vertices");
+    require_known(view(faces), std::size_t(vertex_count), "faces of unknown vertices");
+    return surface_topology(view(faces), vertex_count);
+  });
   return nb::make_tuple(found.vertices, found.edges, found.boundary, found.crowded, found.misoriented, found.fans,
                         found.components, give(std::move(found.piece)));
 }

@@ -8,12 +8,11 @@ namespace {
 
 nb::tuple feet_of(Rows<double, 3> points, Rows<std::int32_t, 3> faces, Rows<double, 3> normals,
                   Rows<double, 3> places, Rows<double, 3> directions, double least_cosine, bool sided, double within) {
-  if (normals.shape(0) != faces.shape(0)) throw std::invalid_argument("one normal a face is needed");
-  if (directions.shape(0) != places.shape(0)) throw std::invalid_argument("one direction a place is needed");
+  require(normals.shape(0) == faces.shape(0), "one normal a face is needed");
+  require(directions.shape(0) == places.shape(0), "one direction a place is needed");
   Feet feet = without_gil([&] {
-    for (const Triangle& face : view(faces))
-      for (const std::int32_t corner : face)
-        if (corner < 0 || std::size_t(corner) >= points.shape(0)) throw std::out_of_range("faces of unknown points");
+    require_known(view(faces), points.shape(0), "faces of unknown points");
+    require_finite(view(points), "points must be finite");
     return closest_faces({view(points), view(faces), view(normals)}, view(places), view(directions),
                          {least_cosine, sided, within});
   });

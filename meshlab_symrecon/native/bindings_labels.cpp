@@ -13,13 +13,36 @@ namespace {
 using Offsets = Row<std::int64_t>;
 using Numbers = Row<std::int32_t>;
 
+void require_network(const Network& network, std::size_t nodes) {
+  require(network.offsets.size() == nodes + 1, "one row a pole is needed");
+  require(network.lengths.size() == network.ends.size(), "one length an edge is needed");
+  require_rows(network.offsets, network.ends.size());
+  require_known(network.ends, nodes, "edges to unknown poles");
+}
+
+void require_pairs(View<std::int32_t> first, View<std::int32_t> second, View<double> values, std::size_t poles) {
+  require(second.size() == first.size() && values.size() == first.size(), "one value a pair of poles is needed");
+  require_known(first, poles, "pairs of unknown poles");
+  require_known(second, poles, "pairs of unknown poles");
+}
+
 nb::tuple graph_of(Rows<double, 3> centres, Row<double> radii, Rows<std::int32_t, 4> samples,
                    Row<std::uint8_t> used, std::int32_t sample_count, Rows<std::int32_t, 4> cells,
                    Rows<std::int32_t, 4> neighbours, std::int32_t most_partners, const nb::object& progress) {
   const UsedBalls balls{view(centres), view(radii), view(samples), view(used), sample_count};
   const Progress report = reporter(progress);
-  PoleGraph graph =
-      without_gil([&] { return pole_graph(balls, view(cells), view(neighbours), most_partners, report); });
+  PoleGraph graph = without_gil([&] {
+    const std::size_t poles = centres.shape(0);
+    require(radii.shape(0) == poles && samples.shape(0) == poles && used.shape(0) == poles,
+            "one radius, four samples and one mark a ball are needed");
+    require(sample_count >= 0 && most_partners >= 0, "neither samples nor partners can be fewer than none");
+    require_finite(view(centres), "centres must be finite");
+    require_finite(view(radii), "radii must be finite");
+    require_known(view(samples), std::size_t(1) << 31, "balls at negative sites");
+    require_cells(view(cells), poles);
+    require_neighbours(view(neighbours), view(cells));
+    return pole_graph(balls, view(cells), view(neighbours), most_partners, report);
+  });
   return nb::make_tuple(give(std::move(graph.offsets)), give(std::move(graph.ends)),
                         give(std::move(graph.cosines)));
 }
@@ -29,6 +52,10 @@ nb::tuple paths_of(Offsets offsets, Numbers ends, Row<float> lengths, Numbers fi
   const Network same_side{view(offsets), view(ends), view(lengths)};
   const Progress report = reporter(progress);
   PathCosts costs = without_gil([&] {
+    require_network(same_side, seeds.shape(0));
+    require_pairs(view(first), view(second), view(crossings), seeds.shape(0));
+    for (const float length : same_side.lengths) require(length >= 0.0f, "lengths cannot be negative");
+    for (const double crossing : view(crossings)) require(crossing >= 0.0, "crossings cannot be negative");
     const OppositePoles other_side(seeds.shape(0), view(first), view(second), view(crossings));
     return evidence_paths(same_side, other_side, view(seeds), report);
   });
@@ -39,10 +66,12 @@ nb::ndarray<nb::numpy, std::uint8_t> labels_of(Offsets offsets, Numbers ends, Ro
                                                Numbers second, Row<double> flatness, Row<double> radii,
                                                Row<std::uint8_t> seeds, double offered, double accepted,
                                                const nb::object& progress) {
-  if (radii.shape(0) != seeds.shape(0)) throw std::invalid_argument("one radius for each seed");
+  require(radii.shape(0) == seeds.shape(0), "one radius for each seed");
   const Network intersections{view(offsets), view(ends), view(lengths)};
   const Progress report = reporter(progress);
   return give(without_gil([&] {
+    require_network(intersections, seeds.shape(0));
+    require_pairs(view(first), view(second), view(flatness), seeds.shape(0));
     const OppositePoles opposites(seeds.shape(0), view(first), view(second), view(flatness));
     return propagate_labels({intersections, opposites}, view(radii), view(seeds), {offered, accepted}, report);
   }));
@@ -55,6 +84,8 @@ class BoundCut {
       : offsets_(offsets), ends_(ends), capacities_(capacities), cut_(view(offsets), view(ends), view(capacities)) {}
 
   nb::ndarray<nb::numpy, std::uint8_t> inner_side(Numbers ties, const nb::object& progress) {
+    require(!busy_, "a cut that is at work cannot be asked again");
+    const Busy at_work(busy_);
     const Progress report = reporter(progress);
     return give(without_gil([&] { return cut_.inner_side(view(ties), report); }));
   }
@@ -62,8 +93,19 @@ class BoundCut {
  private:
   Offsets offsets_;
   Numbers ends_;
+  // Set and unset while the interpreter's lock is held.
+  class Busy {
+   public:
+    explicit Busy(bool& flag) : flag_(flag) { flag_ = true; }
+    ~Busy() { flag_ = false; }
+
+   private:
+    bool& flag_;
+  };
+
   Row<std::uint16_t> capacities_;
   MinimumCut cut_;
+  bool busy_ = false;
 };
 
 }  // namespace
@@ -76,8 +118,12 @@ void bind_labels(nb::module_& module) {
   module.def(
       "flatness_of_pairs",
       [](Rows<double, 3> centres, Rows<std::int32_t, 2> pairs, Rows<double, 3> samples, Numbers pair_samples) {
-        return give(without_gil(
-            [&] { return flatness_of_pairs(view(centres), view(pairs), view(samples), view(pair_samples)); }));
+        return give(without_gil([&] {
+          require(pair_samples.shape(0) == pairs.shape(0), "one sample a pair is needed");
+          require_known(view(pairs), centres.shape(0), "pairs of unknown poles");
+          require_known(view(pair_samples), samples.shape(0), "pairs at unknown samples");
+          return flatness_of_pairs(view(centres), view(pairs), view(samples), view(pair_samples));
+        }));
       },
       nb::arg("centres"), nb::arg("pairs"), nb::arg("samples"), nb::arg("pair_samples"),
       "Minus the cosine of the angle between the two poles of each sample.");
@@ -97,8 +143,13 @@ void bind_labels(nb::module_& module) {
       "turn_small_pieces",
       [](Rows<std::int32_t, 4> cells, Row<std::uint8_t> labels, Row<std::uint8_t> fixed, Numbers samples,
          double smallest) {
-        return give(without_gil(
-            [&] { return turn_small_pieces(view(cells), view(labels), view(fixed), view(samples), smallest); }));
+        return give(without_gil([&] {
+          require(fixed.shape(0) == labels.shape(0) && samples.shape(0) == labels.shape(0),
+                  "one mark and one number of samples a pole are needed");
+          require_cells(view(cells), labels.shape(0));
+          require_marks(view(labels), "a pole is inner (1) or outer (0)");
+          return turn_small_pieces(view(cells), view(labels), view(fixed), view(samples), smallest);
+        }));
       },
       nb::arg("cells"), nb::arg("labels"), nb::arg("fixed"), nb::arg("samples"), nb::arg("smallest"),
       "The labels with islands and bubbles of fewer samples turned over.");

@@ -10,19 +10,21 @@ namespace {
 nb::ndarray<nb::numpy, std::uint8_t> grown_of(Rows<std::int32_t, 4> cells, Row<std::uint8_t> wanted,
                                               Row<std::uint8_t> certain, Row<double> size) {
   const std::size_t sites = wanted.shape(0);
-  if (certain.shape(0) != sites || size.shape(0) != sites) throw std::invalid_argument("one entry a site is needed");
+  require(certain.shape(0) == sites && size.shape(0) == sites, "one entry a site is needed");
   return give(without_gil([&] {
-    require_known_sites(view(cells), sites);
+    require_cells(view(cells), sites);
+    require_marks(view(wanted), "a site is wanted (1) or not (0)");
+    require_marks(view(certain), "a site is certain (1) or not (0)");
     return grow_without_loops(view(cells), view(wanted), view(certain), view(size), stop_on_interrupt);
   }));
 }
 
 nb::ndarray<nb::numpy, std::int32_t> pieces_of(Rows<double, 3> sites, Rows<std::int32_t, 4> cells, Row<double> room,
                                                Row<std::uint8_t> loose, double reach) {
-  if (room.shape(0) > sites.shape(0) || loose.shape(0) != room.shape(0))
-    throw std::invalid_argument("one room and one mark a sample are needed");
+  require(room.shape(0) <= sites.shape(0) && loose.shape(0) == room.shape(0),
+          "one room and one mark a sample are needed");
   return give(without_gil([&] {
-    require_known_sites(view(cells), sites.shape(0));
+    require_cells(view(cells), sites.shape(0));
     return linked_pieces(view(sites), view(cells), view(room), view(loose), reach);
   }));
 }

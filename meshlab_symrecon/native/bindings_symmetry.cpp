@@ -19,7 +19,10 @@ using Table = nb::ndarray<const std::int32_t, nb::ndim<3>, nb::c_contig, nb::dev
 using PlaneArray = Rows<double, 4>;
 
 void new_field(NearestField* field, Rows<double, 3> points, Table table, Row<double> origin, double cell) {
-  if (origin.shape(0) != 3) throw std::invalid_argument("an origin has three coordinates");
+  require(origin.shape(0) == 3, "an origin has three coordinates");
+  require(cell > 0.0 && std::isfinite(cell), "cells need a positive width");
+  require_finite(view(points), "points must be finite");
+  require_finite(view(origin), "an origin must be finite");
   const std::array<std::size_t, 3> shape = {table.shape(0), table.shape(1), table.shape(2)};
   const Position corner = {origin.data()[0], origin.data()[1], origin.data()[2]};
   without_gil([&] { new (field) NearestField(view(points), {table.data(), table.size()}, shape, corner, cell); });
@@ -49,13 +52,11 @@ View<Plane> view_planes(const PlaneArray& planes) {
 }
 
 void require_points(std::size_t points, std::initializer_list<std::size_t> sizes) {
-  for (const std::size_t size : sizes)
-    if (size != points) throw std::invalid_argument("one entry a point is needed");
+  for (const std::size_t size : sizes) require(size == points, "one entry a point is needed");
 }
 
-void require_known(View<std::int32_t> queries, std::size_t points) {
-  for (const std::int32_t query : queries)
-    if (query < 0 || std::size_t(query) >= points) throw std::out_of_range("queries of unknown points");
+void require_queries(View<std::int32_t> queries, const NearestField& field) {
+  require_known(queries, field.size(), "queries of unknown points");
 }
 
 nb::ndarray<nb::numpy, double> examine_planes(PlaneArray planes, Row<std::int32_t> queries, Row<double> distinctness,
@@ -63,9 +64,9 @@ nb::ndarray<nb::numpy, double> examine_planes(PlaneArray planes, Row<std::int32_
                                               Row<std::uint8_t> oriented, Row<double> border_distance, bool exact,
                                               const EvidenceRules& rules) {
   require_points(field.size(), {normals.shape(0), oriented.shape(0), border_distance.shape(0)});
-  if (distinctness.shape(0) != queries.shape(0)) throw std::invalid_argument("one distinctness a query is needed");
+  require(distinctness.shape(0) == queries.shape(0), "one distinctness a query is needed");
   return give_rows<double>(without_gil([&] {
-    require_known(view(queries), field.size());
+    require_queries(view(queries), field);
     MirrorCloud cloud{field, {}, exact};
     cloud.points.reserve(field.size());
     for (std::size_t i = 0; i < field.size(); ++i)
@@ -80,7 +81,7 @@ nb::tuple landings_of(PlaneArray planes, Row<std::int32_t> queries, const Neares
                       const EvidenceRules& rules) {
   require_points(field.size(), {normals.shape(0), oriented.shape(0), border_distance.shape(0)});
   Landings found = without_gil([&] {
-    require_known(view(queries), field.size());
+    require_queries(view(queries), field);
     MirrorCloud cloud{field, {}, exact};
     for (std::size_t i = 0; i < field.size(); ++i)
       cloud.points.push_back(
@@ -94,8 +95,11 @@ nb::tuple landings_of(PlaneArray planes, Row<std::int32_t> queries, const Neares
 
 nb::ndarray<nb::numpy, double> relief_of(Rows<double, 3> points, Rows<double, 3> normals, double radius) {
   require_points(points.shape(0), {normals.shape(0)});
-  if (!(radius > 0.0)) throw std::invalid_argument("a radius is positive");
-  return give(without_gil([&] { return relief(view(points), view(normals), radius); }));
+  require(radius > 0.0 && std::isfinite(radius), "a radius is positive");
+  return give(without_gil([&] {
+    require_finite(view(points), "points must be finite");
+    return relief(view(points), view(normals), radius);
+  }));
 }
 
 nb::ndarray<nb::numpy, double> refine_each(PlaneArray planes, Row<std::int32_t> queries, Row<double> tolerances,
@@ -103,9 +107,9 @@ nb::ndarray<nb::numpy, double> refine_each(PlaneArray planes, Row<std::int32_t> 
                                            const RefinementRules& rules) {
   require_points(field.size(), {normals.shape(0)});
   const std::size_t count = planes.shape(0), steps = count == 0 ? 0 : tolerances.shape(0) / count;
-  if (tolerances.shape(0) != steps * count) throw std::invalid_argument("each plane needs as many tolerances");
+  require(tolerances.shape(0) == steps * count, "each plane needs as many tolerances");
   return give_rows<double>(without_gil([&] {
-    require_known(view(queries), field.size());
+    require_queries(view(queries), field);
     MirrorCloud cloud{field, {}, exact};
     cloud.points.reserve(field.size());
     for (std::size_t i = 0; i < field.size(); ++i)
@@ -122,8 +126,8 @@ nb::ndarray<nb::numpy, std::int32_t> pairs_of(Rows<double, 3> points, Rows<doubl
 }
 
 nb::ndarray<nb::numpy, std::int64_t> farthest_of(Rows<double, 3> points, std::size_t count, std::size_t first) {
-  if (count > points.shape(0) || (count > 0 && first >= points.shape(0)))
-    throw std::out_of_range("more points are wanted than there are");
+  require(count <= points.shape(0) && (count == 0 || first < points.shape(0)),
+          "more points are wanted than there are");
   return give(without_gil([&] { return farthest_points(view(points), count, first); }));
 }
 
@@ -134,7 +138,7 @@ void bind_rules(nb::module_& module) {
           [](EvidenceRules* rules, double tolerance, double no_direction, double full_direction, double sideways,
              double near_plane, double no_match, double rim_reach, double least_gap, double far, double beyond,
              Row<double> broken_off) {
-            if (broken_off.shape(0) != 4) throw std::invalid_argument("a plane has four numbers");
+            require(broken_off.shape(0) == 4, "a plane has four numbers");
             const double* plane = broken_off.data();
             new (rules) EvidenceRules{tolerance, no_direction, full_direction, sideways, near_plane,
                                       no_match,  rim_reach,    least_gap,      far,      beyond,

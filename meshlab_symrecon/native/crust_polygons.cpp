@@ -88,7 +88,7 @@ class Flood {
 };
 
 int place_of(std::int32_t site, const Quad& sites) {
-  return (sites[1] == site) + 2 * (sites[2] == site) + 3 * (sites[3] == site);
+  return (sites[1] == site) + 2 * (sites[2] == site) + 3 * (sites[3] == site);  // of distinct sites
 }
 
 // Walks round the mixed edges of the mixed cells, each once.
@@ -113,7 +113,9 @@ class Rings {
     std::int32_t cell = first;
     for (;;) {
       const MixedCell& at = mixed_[cell];
-      done_[cell] |= std::uint16_t(1u << (4 * from_place + to_place));
+      const auto edge = std::uint16_t(1u << (4 * from_place + to_place));
+      if (done_[cell] & edge) throw std::invalid_argument("cells of the triangulation do not close round an edge");
+      done_[cell] |= edge;
       polygons_.corners.push_back(cell);
       const std::int32_t shared = at.sites[6 - from_place - to_place - behind];
       cell = at.neighbours[behind];

@@ -18,6 +18,7 @@ class HalfEdges {
     for (std::size_t face = 0; face < faces.size(); ++face)
       for (int k = 0; k < 3; ++k) corners_[4 * face + k] = faces[face][k];
     pair();
+    require_single_fans();
   }
 
   std::int32_t size() const { return static_cast<std::int32_t>(corners_.size()); }
@@ -85,6 +86,20 @@ class HalfEdges {
       }
     }
     if (lonely != 0) throw std::invalid_argument("the surface is not closed and oriented");
+  }
+
+  // A contraction moves one fan of faces only.
+  void require_single_fans() const {
+    std::size_t reached = 0;
+    for (const std::int32_t first : leaving_) {
+      if (first < 0) continue;
+      std::int32_t half = first;
+      do {
+        ++reached;
+        half = next_round(half);
+      } while (half != first);
+    }
+    if (4 * reached != 3 * corners_.size()) throw std::invalid_argument("the surface is pinched at a vertex");
   }
 
   LargeVector<std::int32_t> corners_;  // where each half-edge starts; the first of a dead face is -1

@@ -3,12 +3,22 @@
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
-#include <stdexcept>
+
+#include "border_checks.hpp"
 
 namespace symrecon {
 namespace {
 
+constexpr std::int64_t strongest = std::numeric_limits<std::int32_t>::max();  // tie and the flow through it
+constexpr auto one_way = "edges must be there from both ends, with one capacity, and in rising order";
 constexpr std::int32_t nowhere = std::numeric_limits<std::int32_t>::max();
+
+std::size_t nodes_of(View<std::int64_t> offsets, View<std::int32_t> ends, View<std::uint16_t> capacities) {
+  require_rows(offsets, ends.size());
+  require(capacities.size() == ends.size(), "one capacity an edge is needed");
+  require_known(ends, offsets.size() - 1, "edges to unknown nodes");
+  return offsets.size() - 1;
+}
 
 }  // namespace
 
@@ -18,7 +28,7 @@ MinimumCut::MinimumCut(View<std::int64_t> offsets, View<std::int32_t> ends,
       ends_(ends),
       capacities_(capacities),
       flow_(ends.size(), 0),
-      given_(offsets.size() - 1, 0),
+      given_(nodes_of(offsets, ends, capacities), 0),
       tie_(given_),
       tree_(given_.size()),
       parent_(given_.size()),
@@ -27,11 +37,29 @@ MinimumCut::MinimumCut(View<std::int64_t> offsets, View<std::int32_t> ends,
       checked_(given_.size()),
       waiting_(given_.size()) {
   for (const std::uint16_t capacity : capacities)
-    if (capacity > std::numeric_limits<std::int16_t>::max())
-      throw std::invalid_argument("capacities must be at most 32767");
+    require(capacity <= std::numeric_limits<std::int16_t>::max(), "capacities must be at most 32767");
+  require_both_ways();
+}
+
+// Nodes are visited in rising order, and so are the ends of a row: the edges back to them are then met in the order of
+// the other rows.
+void MinimumCut::require_both_ways() const {
+  std::vector<Arc> next(offsets_.begin(), offsets_.end() - 1);
+  bool both = true;
+  for (Node node = 0; node < static_cast<Node>(given_.size()); ++node)
+    for (Arc arc = offsets_[node]; arc < offsets_[node + 1]; ++arc) {
+      const Arc back = next[ends_[arc]]++;
+      require(back < offsets_[ends_[arc] + 1], one_way);
+      both &= ends_[back] == node && capacities_[back] == capacities_[arc] && ends_[arc] != node &&
+              (arc == offsets_[node] || ends_[arc - 1] < ends_[arc]);
+    }
+  require(both, one_way);
 }
 
 std::vector<std::uint8_t> MinimumCut::inner_side(View<std::int32_t> ties, const Progress& progress) {
+  require(ties.size() == given_.size(), "one tie a node is needed");
+  for (std::size_t i = 0; i < ties.size(); ++i)
+    require(std::abs(std::int64_t(tie_[i]) + ties[i] - given_[i]) <= strongest, "ties must be at most 2^30");
   plant(ties);
   Patience patience(progress, 2 * tie_.size());
   while (!active_.empty()) {
@@ -55,7 +83,7 @@ void MinimumCut::plant(View<std::int32_t> ties) {
   std::fill(checked_.begin(), checked_.end(), 0);
   std::fill(waiting_.begin(), waiting_.end(), 0);
   for (std::size_t i = 0; i < tie_.size(); ++i) {
-    tie_[i] += ties[i] - given_[i];
+    tie_[i] = static_cast<std::int32_t>(std::int64_t(tie_[i]) + ties[i] - given_[i]);
     given_[i] = ties[i];
     tree_[i] = tie_[i] > 0 ? outer_tree : tie_[i] < 0 ? inner_tree : free_node;
     parent_[i] = tie_[i] != 0 ? tied : no_parent;

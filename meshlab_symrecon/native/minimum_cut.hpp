@@ -31,6 +31,7 @@ class MinimumCut {
   using Node = std::int32_t;
   using Arc = std::int64_t;
 
+  void require_both_ways() const;
   void plant(View<std::int32_t> ties);
   void activate(Node node);
   void grow(Node node, Patience& patience);

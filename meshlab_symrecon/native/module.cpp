@@ -18,7 +18,9 @@ using CellArray = Rows<std::int32_t, 4>;
 using Numbers = nb::ndarray<nb::numpy, std::int32_t>;
 
 std::vector<Site> gather(const PointArray& points, const FloatArray& weights) {
-  if (points.shape(0) != weights.shape(0)) throw std::invalid_argument("one weight a point is needed");
+  require(points.shape(0) == weights.shape(0), "one weight a point is needed");
+  require_finite(view(points), "points must be finite");
+  require_finite(view(weights), "weights must be finite");
   std::vector<Site> sites(points.shape(0));
   const double* position = points.data();
   for (std::size_t i = 0; i < sites.size(); ++i)
@@ -39,7 +41,7 @@ nb::ndarray<nb::numpy, double> orthocentres_of(const PointArray& points, const F
                                                const CellArray& cells) {
   const std::vector<Site> sites = gather(points, weights);
   return give_rows<double>(without_gil([&] {
-    require_known_sites(view(cells), sites.size());
+    require_cells(view(cells), sites.size());
     std::vector<Point> centres;
     centres.reserve(cells.shape(0));
     for (const Quad& cell : view(cells))
@@ -49,6 +51,7 @@ nb::ndarray<nb::numpy, double> orthocentres_of(const PointArray& points, const F
 }
 
 std::vector<Site> gather(const PointArray& points) {
+  require_finite(view(points), "points must be finite");
   std::vector<Site> sites(points.shape(0));
   const double* position = points.data();
   for (std::size_t i = 0; i < sites.size(); ++i)
@@ -60,7 +63,8 @@ nb::tuple find_poles_of(const PointArray& points, const CellArray& cells, std::i
   FoundPoles poles;
   Spacings spacings;
   without_gil([&] {
-    require_known_sites(view(cells), points.shape(0));
+    require(samples >= 0 && std::size_t(samples) <= points.shape(0), "samples must be among the points");
+    require_cells(view(cells), points.shape(0));
     const std::vector<Site> sites = gather(points);
     poles = find_poles(sites, view(cells), samples, stop_on_interrupt);
     spacings = sample_spacings(sites, view(cells), samples, stop_on_interrupt);
@@ -83,6 +87,7 @@ enum Stage { all_stages, filter_only, fine_only, exact_only };
 
 int orientation_of(const PointArray& points, int stage) {
   if (points.shape(0) != 4) throw std::invalid_argument("four points are needed");
+  require_finite(view(points), "points must be finite");
   std::vector<Site> s(4);
   for (int i = 0; i < 4; ++i) s[i] = {points.data()[3 * i], points.data()[3 * i + 1], points.data()[3 * i + 2], 0.0};
   const Margins margins = margins_for(s);

@@ -1,9 +1,9 @@
 #include "near_points.hpp"
 
 #include <array>
-#include <cmath>
 #include <stdexcept>
 
+#include "saturating.hpp"
 #include "vectors.hpp"
 
 namespace symrecon {
@@ -22,7 +22,7 @@ class Blocks {
 
   Block of(const Position& point) const {
     Block block;
-    for (int axis = 0; axis < 3; ++axis) block[axis] = static_cast<std::int64_t>(std::floor(point[axis] / side_));
+    for (int axis = 0; axis < 3; ++axis) block[axis] = floored(point[axis] / side_);
     return block;
   }
 

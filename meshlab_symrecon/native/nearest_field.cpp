@@ -1,6 +1,6 @@
 #include "nearest_field.hpp"
 
-#include <stdexcept>
+#include "border_checks.hpp"
 
 namespace symrecon {
 
@@ -14,10 +14,8 @@ NearestField::NearestField(View<Position> points, View<std::int32_t> table, cons
       cell_(cell),
       per_cell_(1.0 / cell),
       tree_(points) {
-  if (table.size() == 0 || table.size() != shape[0] * shape[1] * shape[2])
-    throw std::invalid_argument("one entry a cell is needed");
-  for (const std::int32_t point : table_)
-    if (point < 0 || std::size_t(point) >= points_.size()) throw std::out_of_range("table of unknown points");
+  require(table.size() > 0 && table.size() == shape[0] * shape[1] * shape[2], "one entry a cell is needed");
+  require_known(table, points_.size(), "table of unknown points");
 }
 
 }  // namespace symrecon

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "border_checks.hpp"
 #include "progress.hpp"
 #include "view.hpp"
 
@@ -65,12 +66,6 @@ inline Progress reporter(const nb::object& progress) {
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
     if (!progress.is_none()) progress(fraction);
   };
-}
-
-inline void require_known_sites(View<std::array<std::int32_t, 4>> cells, std::size_t sites) {
-  for (const auto& cell : cells)
-    for (const std::int32_t site : cell)
-      if (site < 0 || std::size_t(site) >= sites) throw std::out_of_range("cell of unknown sites");
 }
 
 }  // namespace symrecon

@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <cmath>
+#include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "crust.hpp"
+#include "saturating.hpp"
 #include "view.hpp"
 
 namespace symrecon {
@@ -18,7 +20,7 @@ constexpr double kOffset = 0.381966;
 class PositionTable {
  public:
   // For so many positions with coordinates of at most the given size.
-  PositionTable(std::size_t count, double largest) : steps_(largest > 0.0 ? 0x1p24 / largest : 1.0) {
+  PositionTable(std::size_t count, double largest) : steps_(largest > 0.0 ? std::min(0x1p24 / largest, std::numeric_limits<double>::max()) : 1.0) {
     std::size_t size = 64;
     while (size < 2 * count) {
       size *= 2;
@@ -44,7 +46,7 @@ class PositionTable {
 
   Rounded rounded(const Position& position) const {
     Rounded place;
-    for (int axis = 0; axis < 3; ++axis) place[axis] = std::int64_t(std::floor(position[axis] * steps_ + kOffset));
+    for (int axis = 0; axis < 3; ++axis) place[axis] = floored(position[axis] * steps_ + kOffset);
     return place;
   }
 

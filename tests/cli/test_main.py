@@ -47,6 +47,9 @@ class Foreign(Exception):
         (OSError("odd"), 1, "error: odd"),
         (MemoryError(), 1, "error: there is not enough memory for this; close programs or thin the "
          "scan out first"),
+        (ImportError("libGL.so.1: no such file", name="pmeshlab"), 1, "error: pymeshlab cannot be "
+         "loaded: libGL.so.1: no such file; install what it lacks, on a server without a screen "
+         "often the packages libgl1 and libopengl0, or see docs/install.md"),
         (Foreign("it\n went wrong"), 1, "error: MeshLab: it went wrong"),
         (KeyboardInterrupt(), 130, "interrupted; nothing was left half-written"),
         (click.Abort(), 130, "interrupted; nothing was left half-written"),
@@ -62,6 +65,7 @@ def test_errors_become_codes_and_one_sentence(error, code, said):
 
 def test_our_own_mistakes_are_not_hidden():
     assert isinstance(ended(ZeroDivisionError("ours")).exception, ZeroDivisionError)
+    assert isinstance(ended(ImportError("ours", name="ours")).exception, ImportError)
 
 
 def test_version_and_help(run, shell):

@@ -268,7 +268,7 @@ OWN = np.array([[0, 1], [1, 0]], dtype=np.int32)
         (np.zeros((2, 3)), OWN, ValueError, "one similarity an edge"),
         (np.zeros((2, 2)), OWN[::-1].copy(), ValueError, "start with the edge to itself"),
         (np.zeros((2, 0)), OWN[:, :0].copy(), ValueError, "each row needs an edge"),
-        (np.zeros((2, 2)), OWN + 1, IndexError, "unknown point"),
+        (np.zeros((2, 2)), OWN + 1, ValueError, "unknown point"),
     ],
 )
 def test_the_kernel_refuses_tables_that_are_none(values, targets, error, words):

@@ -242,5 +242,5 @@ def test_the_kernel_refuses_arrays_that_do_not_fit():
         _native.closest_faces(CUBE, faces, normals[:3], *rest)
     with pytest.raises(ValueError, match="one direction a place"):
         _native.closest_faces(CUBE, faces, normals, CUBE, CUBE[:3], 0.0, True, 1.0)
-    with pytest.raises(IndexError, match="unknown points"):
+    with pytest.raises(ValueError, match="unknown points"):
         _native.closest_faces(CUBE, faces + 1, normals, *rest)

@@ -112,7 +112,7 @@ def test_places_that_are_no_numbers_find_some_point():
 def test_a_table_that_does_not_fit_its_points_is_refused():
     points, origin = np.zeros((2, 3)), np.zeros(3)
     for wrong in (2, -1):
-        with pytest.raises(IndexError, match="unknown points"):
+        with pytest.raises(ValueError, match="unknown points"):
             _native.NearestField(points, np.full((1, 1, 1), wrong, dtype=np.int32), origin, 1.0)
     with pytest.raises(ValueError, match="one entry a cell"):
         _native.NearestField(points, np.zeros((0, 1, 1), dtype=np.int32), origin, 1.0)

@@ -98,7 +98,7 @@ def test_farthest_points_are_those_of_a_plain_search(count):
 
 
 def test_more_farthest_points_than_points_are_refused():
-    with pytest.raises(IndexError, match="more points"):
+    with pytest.raises(ValueError, match="more points"):
         _native.farthest_points(np.zeros((3, 3)), 4, 0)
-    with pytest.raises(IndexError, match="more points"):
+    with pytest.raises(ValueError, match="more points"):
         _native.farthest_points(np.zeros((3, 3)), 1, 3)

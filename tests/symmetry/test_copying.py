@@ -17,7 +17,7 @@ def sheet(count, rng, width=1.0):
 
 def together(points):
     distances, nearest = cKDTree(points).query(points, k=9)
-    return on_surface(points, distances[:, 1:], nearest[:, 1:])
+    return on_surface(points, distances[:, 1:].mean(axis=1), nearest[:, 1:])
 
 
 def box(count, half, centre, rng):

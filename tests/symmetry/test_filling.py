@@ -6,7 +6,7 @@ from scipy.spatial import cKDTree
 from symmetry.bodies import even_sphere
 
 from meshlab_symrecon.geometry.planes import reflect
-from meshlab_symrecon.symmetry.filling import any_missing, fill, neighbours, part, surroundings
+from meshlab_symrecon.symmetry.filling import any_missing, fill, neighbours, surroundings
 
 PLANE = np.array([1.0, 0.0, 0.0, 0.0])
 MIDDLE = np.array([0.8, 0.0, 0.6])
@@ -44,20 +44,22 @@ def test_the_surroundings_of_a_lattice():
     assert (around.spacing[~inner] > 1.0).all()
     np.testing.assert_allclose(np.abs(around.directions), np.tile([0, 0, 1], (144, 1)), atol=1e-12)
     assert not around.outward
-    distances, nearest = neighbours(lattice)
-    assert (nearest != np.arange(144)[:, np.newaxis]).all()
-    np.testing.assert_allclose(
-        distances, np.linalg.norm(lattice[nearest] - lattice[:, np.newaxis], axis=2)
-    )
+    known = neighbours(lattice)
+    assert (known.nearest != np.arange(144)[:, np.newaxis]).all()
+    distances = np.linalg.norm(lattice[known.nearest] - lattice[:, np.newaxis], axis=2)
+    assert (np.diff(distances, axis=1) >= 0.0).all()
+    np.testing.assert_allclose(known.width, distances.mean(axis=1))
+    np.testing.assert_allclose(known.spacing, distances[:, :4].mean(axis=1))
 
 
 def test_a_spacing_is_believed_within_a_factor_of_two():
     steps = np.concatenate([np.arange(40.0), 40.0 + 10.0 * np.arange(6), 100 + np.arange(9) / 10])
     around = around_of(np.column_stack([steps, np.sin(steps), np.cos(steps)]))
-    assert around.believed.min() == 0.5 * around.usual
-    assert around.believed.max() == 2.0 * around.usual
+    believed = around.believed(np.arange(len(steps), dtype=np.int32))
+    assert believed.min() == 0.5 * around.usual
+    assert believed.max() == 2.0 * around.usual
     usual = np.abs(np.log2(around.spacing / around.usual)) < 1.0
-    assert np.array_equal(around.believed[usual], around.spacing[usual])
+    assert np.array_equal(believed[usual], around.spacing[usual])
 
 
 def test_given_normals_are_used_at_unit_length_and_zero_stays_zero(sphere):
@@ -71,13 +73,12 @@ def test_given_normals_are_used_at_unit_length_and_zero_stays_zero(sphere):
 def test_a_part_keeps_the_spacing_of_the_whole(sphere):
     around = around_of(sphere)
     kept = np.arange(len(sphere)) % 3 > 0
-    fewer = part(around, kept)
+    fewer = surroundings(sphere, None, around.diagonal, kept=kept)
     assert np.array_equal(fewer.points, sphere[kept])
     assert np.array_equal(fewer.spacing, around.spacing[kept])
     assert fewer.usual == around.usual
     places = sphere[~kept]
     assert np.array_equal(fewer.field.closest(places), cKDTree(sphere[kept]).query(places)[1])
-    assert part(around, np.ones(len(sphere), dtype=bool)) is around
 
 
 @pytest.mark.parametrize("outward", [False, True])

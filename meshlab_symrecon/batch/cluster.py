@@ -1,0 +1,125 @@
+"""Scans on the workers of a running dask scheduler.
+
+Each scan is a task of its own, by the client and not by joblib's backend for it: that one works in
+this process when the cluster has a single thread, and waits for ever for a task that the scheduler
+has given up.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from meshlab_symrecon.batch.reports import ScanReport
+from meshlab_symrecon.batch.supervision import supervised
+from meshlab_symrecon.batch.versions import versions
+from meshlab_symrecon.batch.work import Job
+from meshlab_symrecon.errors import HostError, SymReconError
+
+__all__ = ["on_cluster"]
+
+PATIENCE = 5.0  # seconds for the scheduler to answer
+LOST = "lost"  # a status of tasks in dask
+ON_THE_WAY = ("executing", "long-running")
+INSTALL = "run pip install 'meshlab-symrecon[distributed]'"
+
+
+def on_cluster(
+    jobs: Sequence[Job], address: str, said: Callable[[str], None]
+) -> Generator[ScanReport, None, None]:
+    """Yield the reports of jobs as they end on the workers of a cluster.
+
+    A worker that is lost is no end of its scans: others do them again.
+
+    Raises
+    ------
+    SymReconError
+        The extra ``distributed`` is not installed.
+    HostError
+        Nothing answers at the address, it has no workers, they have other versions, or a scan was
+        lost with one worker after the other.
+    """
+    with _connected(address) as client:
+        _check_workers(client, address)
+        yield from _done(client, jobs, said)
+
+
+def _done(
+    client: Any, jobs: Sequence[Job], said: Callable[[str], None]
+) -> Generator[ScanReport, None, None]:
+    from distributed import as_completed
+
+    by_task = {client.submit(supervised_there, job, pure=False): job for job in jobs}
+    workers = set(client.scheduler_info(n_workers=-1)["workers"])
+    try:
+        for task in as_completed(by_task):
+            now = set(client.scheduler_info(n_workers=-1)["workers"])
+            for worker in sorted(workers - now):
+                said(f"the worker at {worker} is gone; its scans are done again by others")
+            workers = now
+            if task.status != "finished":
+                raise _lost(by_task[task], task)
+            yield task.result()
+    finally:
+        client.cancel(list(by_task), force=True)
+
+
+def _lost(job: Job, task: Any) -> HostError:
+    why = " ".join(str(task.exception()).split()) if task.status == "error" else task.status
+    message = f"{job.shown_scan}: the cluster has given it up: {why}"
+    return HostError(f"{message}; look at its workers, and give the same command again")
+
+
+def supervised_there(job: Job) -> ScanReport:
+    """Do a job on a worker, for as long as its batch wants it."""
+    from distributed import get_worker
+
+    worker = get_worker()
+    key = worker.get_current_task()
+
+    def wanted() -> bool:
+        task = worker.state.tasks.get(key)
+        return task is not None and task.state in ON_THE_WAY
+
+    return supervised(job, wanted)
+
+
+@contextmanager
+def _connected(address: str) -> Iterator[Any]:
+    try:
+        from distributed import Client
+    except ImportError as error:
+        message = "a cluster needs the extra 'distributed', which is not installed"
+        raise SymReconError(f"{message}; {INSTALL}") from error
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters we say ourselves
+    try:
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        message = f"no dask scheduler answers at {address}"
+        raise HostError(
+            f"{message}; start one with 'dask scheduler', and give the address that it tells"
+        ) from error
+    try:
+        yield client
+    finally:
+        client.close(timeout=PATIENCE)
+
+
+def _check_workers(client: Any, address: str) -> None:
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+        there = client.run(versions)
+    except TimeoutError as error:
+        message = f"the dask scheduler at {address} has no workers"
+        raise HostError(f"{message}; start some with 'dask worker {address}'") from error
+    except ImportError as error:
+        message = f"a worker of {address} cannot import what it shall do: {error}"
+        raise HostError(f"{message}; install meshlab-symrecon there, too") from error
+    here = versions()
+    for worker, known in sorted(there.items()):
+        for name, version in here.items():
+            if known.get(name) != version:
+                message = f"the worker at {worker} has {name} {known.get(name)}, and here is"
+                raise HostError(f"{message} {version}; install the same versions on both")

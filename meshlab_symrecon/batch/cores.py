@@ -1,0 +1,84 @@
+"""Scans on the cores of this machine, by joblib's loky."""
+
+from __future__ import annotations
+
+import os
+import signal
+import warnings
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from joblib import Parallel, delayed
+from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+from meshlab_symrecon.batch.reports import ScanReport
+from meshlab_symrecon.batch.supervision import supervised_for
+from meshlab_symrecon.batch.work import Job
+from meshlab_symrecon.errors import HostError
+
+__all__ = ["on_cores"]
+
+PATIENCE = 5  # pools that may break one after the other without a single result
+
+
+def on_cores(
+    jobs: Sequence[Job], count: int, said: Callable[[str], None]
+) -> Generator[ScanReport, None, None]:
+    """Yield the reports of jobs as they end, ``count`` at once, each in a process of its own.
+
+    When a worker is killed from outside, a fresh pool of workers goes on with what is left.
+
+    Raises
+    ------
+    HostError
+        Workers are killed again and again.
+    """
+    left = {job.name: job for job in jobs}
+    barren = 0
+    while left:
+        try:
+            for report in _pooled(tuple(left.values()), count):
+                del left[report.name]
+                barren = 0
+                yield report
+        except TerminatedWorkerError as error:
+            barren += 1
+            if barren == PATIENCE:
+                message = "the worker processes are ended from outside again and again"
+                raise HostError(
+                    f"{message}; the same command goes on, with fewer --jobs when memory is short"
+                ) from error
+            said(f"a worker process was ended from outside; {len(left)} scans are still to do")
+
+
+def _pooled(jobs: Sequence[Job], count: int) -> Generator[ScanReport, None, None]:
+    pool = Parallel(
+        n_jobs=min(count, len(jobs)),
+        backend="loky",
+        batch_size=1,  # a report comes as soon as its scan is done
+        return_as="generator_unordered",
+        max_nbytes=None,
+    )
+    coordinator = os.getpid()
+    with _interruptions_held():  # what is started in here does not see a Ctrl-C, we end it
+        reports = pool(delayed(supervised_for)(coordinator, job) for job in jobs)
+    try:
+        yield from reports
+    finally:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # joblib's, of results nobody asked for
+            reports.close()
+
+
+@contextmanager
+def _interruptions_held() -> Iterator[None]:
+    """Hold signals back from this thread, and for ever from the processes it starts meanwhile."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before: Any = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -1,0 +1,196 @@
+"""The plan of a batch: everything that can be checked before the work starts."""
+
+from __future__ import annotations
+
+import os
+import pickle
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from meshlab_symrecon.batch.checksums import sha256_of, sha256_of_data
+from meshlab_symrecon.batch.inputs import find_scans
+from meshlab_symrecon.batch.names import named
+from meshlab_symrecon.batch.request import RECONSTRUCT, Batch, Limits
+from meshlab_symrecon.batch.versions import versions
+from meshlab_symrecon.batch.work import Job, Work
+from meshlab_symrecon.errors import FileError, ParameterError
+from meshlab_symrecon.host.atomic import check_target, flush_folder, reason
+
+__all__ = ["Plan", "planned"]
+
+LOG = "batch.jsonl"
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is to be done.
+
+    Attributes
+    ----------
+    jobs : tuple of Job
+        One a scan, in order.
+    log : Path
+    count : int
+        How many scans are worked on at once, on this machine.
+    """
+
+    jobs: tuple[Job, ...]
+    log: Path
+    count: int
+
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """Return the folders that results are written to."""
+        return tuple(sorted({job.output.parent for job in self.jobs}))
+
+
+def planned(batch: Batch) -> Plan:
+    """Check a batch, and make the folders of its results; nothing else is written.
+
+    Raises
+    ------
+    FileError
+        A path that does not exist, or that cannot be written; a result would overwrite a scan.
+    ScriptError
+        The script has mistakes.
+    ParameterError
+        The template, the number of jobs, or the settings are wrong.
+    """
+    from meshlab_symrecon.host.files import READABLE, WRITABLE
+    from meshlab_symrecon.host.projects import PROJECT
+
+    work = _work(batch)
+    count = _count(batch)
+    folder = Path(batch.folder)
+    scans = find_scans(batch.inputs, readable=READABLE, recursive=batch.recursive, results=folder)
+    names = named(batch.name, scans, script=work.name, writable=(*WRITABLE, PROJECT))
+    limits = _limits(batch.limits, count, batch.scheduler)
+    jobs = tuple(
+        Job(_absolute(scan.path), _absolute(folder / name), name.as_posix(), str(scan.path),
+            str(folder / name), work, limits)
+        for scan, name in zip(scans, names, strict=True)
+    )  # fmt: skip
+    log = Path(batch.log) if batch.log is not None else folder / LOG
+    kept = [] if work.name == RECONSTRUCT else [_absolute(Path(batch.script))]
+    _check_places(jobs, kept, _absolute(log))
+    plan = Plan(jobs, log, count)
+    for place in plan.folders:
+        _make(place)
+    for job in jobs:
+        check_target(job.output)
+    if batch.log is None:
+        _make(folder)
+    check_target(log)
+    return plan
+
+
+def _work(batch: Batch) -> Work:
+    """Return what is to be done, checked as far as that is possible without a scan."""
+    from meshlab_symrecon.host.script import checked_script
+
+    if batch.strict and batch.lenient:
+        raise ParameterError("strict and lenient contradict each other; give one")
+    script, checksum, name = b"", None, os.fspath(batch.script)
+    if name == RECONSTRUCT:
+        if batch.strict or batch.lenient:
+            raise ParameterError("strict and lenient are for scripts; leave them out")
+        _check_settings(batch.settings)
+    else:
+        if batch.settings:
+            listed = ", ".join(batch.settings)
+            message = f"a script holds its own parameters; got {listed} besides"
+            raise ParameterError(f"{message}; write them in the script")
+        steps = checked_script(name, strict=batch.strict, lenient=batch.lenient)
+        script, checksum = pickle.dumps(steps), sha256_of(Path(name))
+    made_of: dict[str, Any] = {
+        "script": name if checksum is None else checksum,
+        "settings": dict(batch.settings),
+        "strict": batch.strict,
+        "lenient": batch.lenient,
+        "versions": versions(),
+    }
+    return Work(
+        name=name,
+        script=script,
+        script_sha256=checksum,
+        settings=dict(batch.settings),
+        strict=batch.strict,
+        lenient=batch.lenient,
+        versions=versions(),
+        sha256=sha256_of_data(made_of),
+    )
+
+
+def _check_settings(settings: Any) -> None:
+    from meshlab_symrecon.host.reconstruction import parameters_as_run
+
+    parameters_as_run(settings)
+
+
+def _count(batch: Batch) -> int:
+    if batch.jobs is not None and batch.jobs < 1:
+        raise ParameterError(f"jobs is a number above zero; got {batch.jobs}")
+    if batch.jobs is not None and batch.scheduler is not None:
+        message = f"jobs is {batch.jobs}, but a cluster's workers say how much runs at once"
+        raise ParameterError(f"{message}; give one of jobs and scheduler")
+    if batch.jobs is not None:
+        return batch.jobs
+    from joblib import cpu_count
+
+    return int(cpu_count())
+
+
+def _limits(limits: Limits, count: int, scheduler: str | None) -> Limits:
+    """Return the limits of each scan: one thread when several are worked on at once."""
+    if limits.threads is None and (count > 1 or scheduler is not None):
+        return replace(limits, threads=1)
+    return limits
+
+
+def _absolute(path: Path) -> Path:
+    return Path(os.path.abspath(path))  # noqa: PTH100  links stay what they are
+
+
+def _check_places(jobs: Iterable[Job], others: Iterable[Path], log: Path) -> None:
+    """Refuse results among the scans: a later run would take them for scans."""
+    scans = {os.path.realpath(job.scan): job for job in jobs}
+    among = {os.path.dirname(path): job for path, job in scans.items()}  # noqa: PTH120
+    kept = set(scans) | {os.path.realpath(path) for path in others}
+    for job in jobs:
+        target = os.path.realpath(job.output)
+        if target in kept or (os.path.lexists(target) and _same_as_any(job.output, scans)):
+            message = f"{job.shown_output} would overwrite a scan or the script"
+            raise FileError(f"{message}; give another folder for the results")
+        neighbour = among.get(os.path.dirname(target))  # noqa: PTH120
+        if neighbour is not None:
+            message = f"the results would lie among the scans, beside {neighbour.shown_scan}"
+            raise FileError(f"{message}; give a folder of their own with -d")
+    if os.path.realpath(log) in kept | {os.path.realpath(job.output) for job in jobs}:
+        raise FileError(f"the log {log} would overwrite a file of the batch; give another path")
+
+
+def _same_as_any(path: Path, scans: Iterable[str]) -> bool:
+    status = path.stat()
+    inode = (status.st_dev, status.st_ino)
+    for scan in scans:
+        try:
+            other = os.stat(scan)  # noqa: PTH116  a text already
+        except OSError:
+            continue
+        if inode == (other.st_dev, other.st_ino):
+            return True
+    return False
+
+
+def _make(folder: Path) -> None:
+    """Make a folder that is missing, so that a loss of power does not undo it."""
+    if folder.is_dir():
+        return
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        flush_folder(folder.parent)
+    except OSError as error:
+        message = f"the folder {folder} cannot be made: {reason(error)}"
+        raise FileError(f"{message}; give another one with -d") from error

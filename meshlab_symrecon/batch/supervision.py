@@ -1,0 +1,181 @@
+"""One scan at a time, in a child process within its limits: what a worker does.
+
+A worker stays small: it imports neither pymeshlab nor numpy.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import signal
+import threading
+import time
+from collections.abc import Callable
+from datetime import datetime, timezone
+from typing import Any
+
+from meshlab_symrecon.batch.checksums import sha256_of
+from meshlab_symrecon.batch.reports import (
+    CRASHED,
+    DONE,
+    FAILED,
+    KILLED,
+    OUT_OF_MEMORY,
+    TIMED_OUT,
+    ScanReport,
+)
+from meshlab_symrecon.batch.request import in_bytes
+from meshlab_symrecon.batch.work import Job, do_job
+from meshlab_symrecon.errors import HostError
+from meshlab_symrecon.host.isolation import (
+    ABANDONED,
+    Bounds,
+    Ending,
+    crash_in_words,
+    run_child,
+)
+
+__all__ = ["supervised", "supervised_for"]
+
+OF_THREADS = (
+    "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS", "NUMEXPR_NUM_THREADS",
+)  # fmt: skip
+FROM_OUTSIDE = ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")
+NO_MEMORY = ("bad_alloc", "MemoryError", "Cannot allocate memory")  # last words of a process
+LOOK = 0.2  # seconds between two looks at the coordinator
+_watching = threading.Event()
+
+
+def supervised_for(coordinator: int, job: Job) -> ScanReport:
+    """Do a job of a coordinator on this machine, and end with it.
+
+    Parameters
+    ----------
+    coordinator : int
+        Its process, which is our parent, or ourselves.
+    job : Job
+    """
+    if coordinator == os.getpid():
+        return supervised(job)
+    if not _watching.is_set():
+        _watching.set()
+        threading.Thread(target=_end_with, args=(coordinator,), daemon=True).start()
+    return supervised(job, lambda: os.getppid() == coordinator)
+
+
+def _silent(fraction: float, message: str) -> None:
+    """Tell nobody."""
+
+
+def _end_with(coordinator: int) -> None:
+    """End this worker, and by that its child, as soon as the coordinator is no more."""
+    while os.getppid() == coordinator:
+        time.sleep(LOOK)
+    time.sleep(LOOK)  # for the child to be ended, and what it staged to be removed
+    os._exit(1)
+
+
+def supervised(job: Job, wanted: Callable[[], bool] | None = None) -> ScanReport:
+    """Do a job in a child process; return its report, whatever became of it.
+
+    Raises
+    ------
+    HostError
+        Nobody wants the result any more.
+    """
+    started = datetime.now(timezone.utc)
+    checksum = sha256_of(job.scan)
+    bounds = Bounds(
+        seconds=job.limits.seconds,
+        memory=job.limits.memory,
+        environment=_environment(job.limits.threads),
+        **({} if wanted is None else {"wanted": wanted}),
+    )
+    ending = run_child(
+        do_job, job, progress=_silent, folders=[job.output.parent], bounds=bounds, keep_words=True
+    )
+    if ending.stopped == ABANDONED:
+        raise HostError(f"{job.shown_scan}: the batch has ended; start it again to go on")
+    found = _fields(job, ending)
+    if found["status"] == DONE:
+        found["output_sha256"] = sha256_of(job.output)
+    if found.get("error"):
+        found["error"] = _named_shortly(job, found["error"])
+    return ScanReport(
+        scan=job.shown_scan,
+        output=job.shown_output,
+        name=job.name,
+        input_sha256=checksum,
+        script=job.work.name,
+        script_sha256=job.work.script_sha256,
+        work_sha256=job.work.sha256,
+        limits=limits_as_data(job),
+        versions=job.work.versions,
+        warnings=tuple(
+            _named_shortly(job, sentence)
+            for sentence in (ending.answer.warnings if ending.answer else ())
+        ),
+        again=job.again,
+        started=started.isoformat(timespec="milliseconds"),
+        seconds=round(ending.seconds, 3),
+        peak_memory_bytes=ending.peak_memory,
+        machine=platform.node(),
+        **found,
+    )
+
+
+def limits_as_data(job: Job) -> dict[str, Any]:
+    """Return the limits as the log has them."""
+    limits = job.limits
+    return {"seconds": limits.seconds, "memory": limits.memory, "points": limits.points}
+
+
+def _environment(threads: int | None) -> dict[str, str]:
+    return {} if threads is None else dict.fromkeys(OF_THREADS, str(threads))
+
+
+def _fields(job: Job, ending: Ending) -> dict[str, Any]:
+    """Return status, error and all that the child told."""
+    found = dict(ending.answer.result) if ending.answer and ending.answer.result else {}
+    if not found:
+        status, error = _without_answer(job, ending)
+        found = {"status": status, "error": error}
+    if found["status"] == OUT_OF_MEMORY:
+        found["error"] = _no_memory(job, ending)
+    return found
+
+
+def _without_answer(job: Job, ending: Ending) -> tuple[str, str]:
+    if ending.answer is not None and ending.answer.error is not None:
+        return FAILED, str(ending.answer.error)
+    if ending.stopped == TIMED_OUT:
+        limit = f"{job.limits.seconds:g} s"
+        error = f"{job.shown_scan}: it takes longer than {limit}{_while(ending)}"
+        return TIMED_OUT, f"{error}; allow more time, or simplify it first"
+    if ending.stopped == OUT_OF_MEMORY or any(word in ending.words for word in NO_MEMORY):
+        return OUT_OF_MEMORY, ""
+    if ending.code < 0 and ending.code in [-getattr(signal, n, 0) for n in FROM_OUTSIDE]:
+        error = f"{job.shown_scan}: its process was ended from outside{_while(ending)}"
+        return KILLED, f"{error}; when the system did, for want of memory, run fewer jobs at once"
+    lines = ending.words.strip().splitlines()
+    if ending.code == 1 and lines and "Traceback" in ending.words:
+        return FAILED, " ".join(lines[-1].split())
+    return CRASHED, f"{job.shown_scan}: {crash_in_words(ending)}"
+
+
+def _no_memory(job: Job, ending: Ending) -> str:
+    limit = job.limits.memory
+    more = "the machine has" if limit is None else f"the limit of {in_bytes(limit)}"
+    error = f"{job.shown_scan}: it needs more memory than {more}{_while(ending)}"
+    return f"{error}; allow more, run fewer jobs at once, or simplify it first"
+
+
+def _while(ending: Ending) -> str:
+    return f" ({ending.doing})" if ending.doing else ""
+
+
+def _named_shortly(job: Job, sentence: str) -> str:
+    """Return a sentence in which files are called as the user called them."""
+    named = sentence.replace(str(job.output), job.shown_output)
+    return named.replace(str(job.scan), job.shown_scan)

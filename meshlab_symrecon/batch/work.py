@@ -1,0 +1,205 @@
+"""What is done with one scan, inside of its own process."""
+
+from __future__ import annotations
+
+import errno
+import pickle
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from meshlab_symrecon.batch.reports import DONE, FAILED, NOT_WRITTEN, OUT_OF_MEMORY, TOO_LARGE
+from meshlab_symrecon.batch.request import Limits
+from meshlab_symrecon.batch.versions import versions
+from meshlab_symrecon.errors import FileError, HostError, SymReconError
+
+if TYPE_CHECKING:
+    from meshlab_symrecon.plugin import Progress
+
+__all__ = ["Job", "Work", "do_job"]
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS, errno.ENOMEM)
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """What is done with every scan.
+
+    Attributes
+    ----------
+    name : str
+        The script's path, or ``reconstruct``.
+    script : bytes
+        The checked script, pickled, so that only those who run it need to understand it; empty
+        for ``reconstruct``.
+    script_sha256 : str or None
+    settings : mapping
+    strict, lenient : bool
+    versions : mapping of str to str
+    sha256 : str
+        Checksum of all of these.
+    """
+
+    name: str
+    script: bytes
+    script_sha256: str | None
+    settings: Mapping[str, Any]
+    strict: bool
+    lenient: bool
+    versions: Mapping[str, str]
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One scan.
+
+    Attributes
+    ----------
+    scan, output : Path
+        In full.
+    name : str
+        Of the output, relative to the folder of results.
+    shown_scan, shown_output : str
+        As the user named them.
+    work : Work
+    limits : Limits
+    again : str or None
+        Why it is done again.
+    """
+
+    scan: Path
+    output: Path
+    name: str
+    shown_scan: str
+    shown_output: str
+    work: Work
+    limits: Limits
+    again: str | None = None
+
+
+def do_job(job: Job, *, progress: Progress) -> dict[str, Any]:
+    """Do it; return the fields of its report that are known in here, whatever comes."""
+    found: dict[str, Any] = {}
+    try:
+        _check_versions(job.work)
+        mesh_set = _worked(job, found, progress)
+        progress(1.0, f"writing {job.output}")
+        _save(mesh_set, job)
+    except MemoryError:
+        return found | {"status": OUT_OF_MEMORY}
+    except SymReconError as error:
+        return found | {"status": _status(error), "error": str(error)}
+    except Exception as error:  # noqa: BLE001  whatever a plugin raises; the other scans go on
+        words = " ".join(f"{type(error).__name__}: {error}".split())
+        return found | {"status": FAILED, "error": words}
+    return found | {"status": DONE}
+
+
+def _worked(job: Job, found: dict[str, Any], progress: Progress) -> Any:
+    """Return the document after the work; note what was found and measured."""
+    from meshlab_symrecon.host.measures import plain
+
+    check_size(job)
+    if job.work.script:
+        mesh_set, report = _scripted(job, progress)
+        found["steps"] = plain(report.steps)
+        found["measures"] = _of_steps(report.steps)
+        found["parameters"] = {"strict": job.work.strict, "lenient": job.work.lenient}
+        return mesh_set
+    from meshlab_symrecon.host.reconstruction import parameters_as_run, whole_method
+
+    result = whole_method(job.scan, job.work.settings, progress)
+    found["measures"] = _of_method(result)
+    found["parameters"] = plain(parameters_as_run(job.work.settings))
+    return result.mesh_set
+
+
+def check_size(job: Job) -> None:
+    """Refuse a scan that is too large, before the work."""
+
+
+def _scripted(job: Job, progress: Progress) -> tuple[Any, Any]:
+    from meshlab_symrecon.host.files import new_document
+    from meshlab_symrecon.host.projects import load_input
+    from meshlab_symrecon.host.script import run_steps
+
+    script = pickle.loads(job.work.script)  # noqa: S301  the coordinator's
+    mesh_set = new_document()
+    progress(0.0, f"reading {job.scan}")
+    load_input(job.scan, mesh_set)
+    how = {"strict": job.work.strict, "lenient": job.work.lenient}
+    return mesh_set, run_steps(mesh_set, script, **how, progress=progress)
+
+
+def _save(mesh_set: Any, job: Job) -> None:
+    from meshlab_symrecon.host.files import save_current
+    from meshlab_symrecon.host.projects import PROJECT, save_project
+
+    try:
+        if job.output.suffix.lower() == f".{PROJECT}":
+            save_project(mesh_set, job.output, [job.scan])
+        else:
+            save_current(mesh_set, job.output)
+    except FileError as error:
+        raise _NotWrittenError(str(error)) from error
+
+
+class _NotWrittenError(FileError):
+    """The result could not be written."""
+
+
+def _status(error: SymReconError) -> str:
+    causes = list(_causes(error))
+    if any(isinstance(cause, MemoryError) or "bad_alloc" in str(cause) for cause in causes):
+        return OUT_OF_MEMORY
+    if type(error).__name__ == "SizeError":
+        return TOO_LARGE
+    full = any(isinstance(cause, OSError) and cause.errno in FULL for cause in causes)
+    return NOT_WRITTEN if full or isinstance(error, _NotWrittenError) else FAILED
+
+
+def _causes(error: BaseException | None) -> list[BaseException]:
+    found: list[BaseException] = []
+    while error is not None and error not in found:
+        found.append(error)
+        error = error.__cause__ or error.__context__
+    return found
+
+
+def _check_versions(work: Work) -> None:
+    here = versions()
+    if here != dict(work.versions):
+        message = f"this worker has {_listed(here)}, and the batch was started by one that has"
+        raise HostError(f"{message} {_listed(work.versions)}; install the same versions on both")
+
+
+def _listed(known: Mapping[str, str]) -> str:
+    return ", ".join(f"{name} {version}" for name, version in known.items())
+
+
+def _of_steps(steps: Any) -> dict[str, Any]:
+    """Return what the steps measured, in one record; of equal names the last one's."""
+    from meshlab_symrecon.host.measures import detection, is_detection, plain
+
+    found: dict[str, Any] = {}
+    for step in steps:
+        found |= plain(step.measures)
+        if is_detection(step.measures):
+            found |= detection(step.measures)
+    return found
+
+
+def _of_method(result: Any) -> dict[str, Any]:
+    """Return what ``symrecon reconstruct --json`` tells of its findings."""
+    from meshlab_symrecon.host.measures import detection, plain
+
+    completed = plain(result.completed)
+    return {
+        **detection(result.found),
+        "measured": completed.pop("measured"),
+        "mirrored": completed.pop("mirrored"),
+        "completion": completed,
+        "surface": plain(result.surface),
+    }

@@ -1,0 +1,172 @@
+"""How a batch goes on, and what became of it, on a terminal or in a pipe."""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from meshlab_symrecon.batch import BatchReport, Listener, ScanReport
+from meshlab_symrecon.batch.reports import DONE
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+__all__ = ["display", "found_in_words", "print_table"]
+
+IN_A_PIPE = 10_000  # columns, so that nothing is cut
+SHOWN = 3  # measures of a script
+
+
+@contextmanager
+def display(quiet: bool) -> Iterator[Listener]:
+    """Yield what tells of the progress: a bar on a terminal, lines in a pipe."""
+    if quiet:
+        yield Listener()
+    elif sys.stderr.isatty():
+        with _bar() as listener:
+            yield listener
+    else:
+        yield _Lines()
+
+
+class _Counting(Listener):
+    """Counts, and tells what is new."""
+
+    def __init__(self) -> None:
+        self.total = self.count = self.failed = self.resumed = 0
+
+    def planned(self, total: int) -> None:
+        self.total = total
+
+    def ended(self, report: ScanReport) -> None:
+        self.count += 1
+        self.failed += report.status != DONE
+        self.resumed += report.resumed
+        if not report.resumed:
+            self.new(report)
+
+    def new(self, report: ScanReport) -> None:
+        """Tell of a scan of this run."""
+
+    def said(self, sentence: str) -> None:
+        click.echo(sentence, err=True)
+
+
+class _Lines(_Counting):
+    """One line a scan."""
+
+    def new(self, report: ScanReport) -> None:
+        words = f"{report.seconds:.1f} s" if report.status == DONE else report.error
+        click.echo(f"[{self.count}/{self.total}] {report.status} {report.scan}: {words}", err=True)
+
+
+class _Bar(_Counting):
+    """A bar with counts and the time left; what has failed is told above it."""
+
+    def __init__(self, bar: Progress) -> None:
+        super().__init__()
+        self.bar, self.task = bar, bar.add_task("checking", total=None)
+
+    def planned(self, total: int) -> None:
+        super().planned(total)
+        self.bar.update(self.task, total=total)
+
+    def ended(self, report: ScanReport) -> None:
+        super().ended(report)
+        words = f"{self.count - self.failed} done, {self.failed} failed"
+        if report.resumed:  # it says nothing on the time that the others will take
+            self.bar.reset(self.task, total=self.total, completed=self.count, description=words)
+        else:
+            self.bar.update(self.task, completed=self.count, description=words)
+
+    def new(self, report: ScanReport) -> None:
+        if report.status != DONE:
+            self.said(f"{report.status} {report.scan}: {report.error}")
+
+    def said(self, sentence: str) -> None:
+        self.bar.console.print(sentence, markup=False, highlight=False, soft_wrap=True)
+
+
+@contextmanager
+def _bar() -> Iterator[Listener]:
+    from rich import progress
+    from rich.console import Console
+
+    columns = (
+        progress.BarColumn(),
+        progress.MofNCompleteColumn(),
+        progress.TextColumn("{task.description}"),
+        progress.TimeElapsedColumn(),
+        progress.TextColumn("left"),
+        progress.TimeRemainingColumn(),
+    )
+    with progress.Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        yield _Bar(bar)
+
+
+def print_table(report: BatchReport) -> None:
+    """Print one row a scan, and a last line that sums up."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("scan", overflow="fold")
+    table.add_column("status", no_wrap=True)
+    table.add_column("seconds", justify="right", no_wrap=True)
+    table.add_column("memory", justify="right", no_wrap=True)
+    table.add_column("found", overflow="fold")
+    for one in report.scans:
+        style = "" if one.status == DONE else "red"
+        memory = f"{one.peak_memory_bytes / 2**20:.0f} MB"
+        cells = (one.scan, one.status, f"{one.seconds:.1f}", memory, found_in_words(one))
+        table.add_row(*(Text(cell, style=style) for cell in cells))
+    if sys.stdout.isatty():
+        Console().print(table)
+    else:
+        text = io.StringIO()
+        Console(file=text, width=IN_A_PIPE, color_system=None).print(table)
+        click.echo("\n".join(line.rstrip() for line in text.getvalue().splitlines()))
+    click.echo(_sum(report))
+
+
+def _sum(report: BatchReport) -> str:
+    words = ", ".join(f"{count} {status}" for status, count in report.counts().items())
+    earlier = f" ({report.resumed} from an earlier run)" if report.resumed else ""
+    scans = "1 scan" if len(report.scans) == 1 else f"{len(report.scans)} scans"
+    return f"{scans}: {words}{earlier} in {report.seconds:.1f} s, logged in {report.log}"
+
+
+def found_in_words(report: ScanReport) -> str:
+    """Return in a few words what was found, or the sentence of the error."""
+    if report.status != DONE:
+        return report.error or ""
+    measures = report.measures
+    if "surface" in measures and "planes" in measures:
+        return _of_method(measures)
+    numbers = [
+        f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
+        for name, value in measures.items()
+        if isinstance(value, (bool, int, float, str))
+    ]
+    skipped = sum(step.get("status") == "skipped" for step in report.steps)
+    steps = "1 step" if len(report.steps) == 1 else f"{len(report.steps)} steps"
+    first = [steps + (f" ({skipped} skipped)" if skipped else "")]
+    return ", ".join(first + numbers[:SHOWN])
+
+
+def _of_method(measures: Mapping[str, Any]) -> str:
+    planes, surface = measures["planes"], measures["surface"]
+    if planes:
+        plane = f"mirror plane of confidence {planes[0]['confidence']:.2f}"
+        mirrored = f"{measures['mirrored']} points mirrored"
+        words = [plane if len(planes) == 1 else f"{len(planes)} planes, first a {plane}", mirrored]
+    else:
+        words = ["no mirror plane"]
+    closed = "closed" if surface["closed"] else "NOT closed"
+    return ", ".join([*words, f"{closed}, genus {surface['genus']}, {surface['faces']} faces"])
