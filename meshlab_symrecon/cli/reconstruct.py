@@ -174,7 +174,9 @@ def _write(
     from meshlab_symrecon.host.records import record_of
 
     progress(METHOD_DONE, f"writing {outputs.surface}")
-    record = record_of(result.mesh_set, [scan], settings)
+    # The others are parameters of the steps, which the record has anyway.
+    own = {name: settings[name] for name in ("max_points",) if name in settings}
+    record = record_of(result.mesh_set, [scan], own)
     save_current(result.mesh_set, outputs.surface, record)
     if outputs.project is not None:
         from meshlab_symrecon.host.projects import save_project
