@@ -455,3 +455,23 @@ def test_absurd_coordinates_of_rare_formats(tmp_path):
     path.write_bytes(before + b'point="0.5 1e30 ' + kept)
     loaded = load(path)
     assert loaded.current_mesh().vertex_number() == mesh_set.current_mesh().vertex_number()
+
+
+@pytest.mark.parametrize("faces", [FACES, USES[:1], []])
+def test_plain_obj_files_hold_the_same_by_blocks_and_by_lines(tmp_path, monkeypatch, faces):
+    path = tmp_path / "a.obj"
+    path.write_bytes(b"# a\no b\n" + obj(faces=faces).replace(b"\n", b"\r\n") + b"vt 0 1\ng c\n")
+    quick = inspection_obj.plain_obj(path)
+    monkeypatch.setattr(inspection_obj, "plain_obj", lambda path: None)
+    assert quick is not None
+    assert quick == inspection_obj.check_obj(path)
+
+
+@pytest.mark.parametrize("last", [b"f 1 2 9\n", b"f 0 1 2\n", b"f -1 1 2\n", b"f 1 2\n", b"v 1\n",
+    b"f 1/1 2 3\n", b"f 1 2 3.5\n", b"v 1 2 nan\n", b"v 1 2 inf\n", b"v 1 2 3 #\n", b" v 1 2 3\n",
+    b"v\t1 2 3\n", b"f\t1 2 3\n", b"f 1 2 \\\n3\n", b"mtllib a\n", b"\0\n", b"v 1 2 3", b"v\n",
+    b"# Vertices: 9\n"])  # fmt: skip
+def test_what_is_unusual_in_an_obj_file_is_looked_at_by_lines(tmp_path, last):
+    path = tmp_path / "a.obj"
+    path.write_bytes(V + last)
+    assert inspection_obj.plain_obj(path) is None
