@@ -97,8 +97,8 @@ from meshlab_symrecon.host import files, reconstruction
 
 real = files.write_layer
 
-def slow(*given):
-    real(*given)
+def slow(*given, **named):
+    real(*given, **named)
     print("writing", flush=True)
     time.sleep(60)
 
