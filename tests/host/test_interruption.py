@@ -89,6 +89,7 @@ def start(tmp_path):
     out, temporary = tmp_path / "größe out", tmp_path / "tmp"
     out.mkdir()
     temporary.mkdir()
+    folders = {"TMPDIR": str(temporary), "PYTHONPATH": str(tmp_path)}
 
     def call(program, ignored=()):
         for number in ignored:
@@ -97,7 +98,7 @@ def start(tmp_path):
             process = subprocess.Popen(
                 [sys.executable, "-c", BUSY + program, out],
                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                env=os.environ | {"TMPDIR": str(temporary)}, start_new_session=True,
+                env=os.environ | folders, start_new_session=True,
             )  # fmt: skip
         finally:
             for number in ignored:
@@ -172,63 +173,42 @@ except Interruption as error:
     }  # fmt: skip
 
 
-def test_children_end_too(start):
-    process = start("""
-from meshlab_symrecon.host.isolation import isolated
-import meshlab_symrecon.host.isolation as isolation
-
-isolation.CHILD = '''
-import os, sys, time
+SLOW_JOB = """
+import os, time
 from pathlib import Path
 from meshlab_symrecon.host.atomic import replacing
-with replacing(Path(os.environ["OUT"], "a.ply")) as staged:
-    staged.write_bytes(b"half")
-    print('[0.5, "stuck"]', flush=True)
-    time.sleep(60)
-'''
-os.environ["OUT"] = str(out)
-real = isolation.subprocess.Popen
-def noted(*given, **more):
-    child = real(*given, **more)
-    Path(out, "pid").write_text(str(child.pid))
-    return child
-isolation.subprocess.Popen = noted
+
+def work(folder, *, progress):
+    Path(folder, "pid").write_text(str(os.getpid()))
+    with replacing(Path(folder, "a.ply")) as staged:
+        staged.write_bytes(b"half")
+        progress(0.5, "working")
+        time.sleep(60)
+"""
+WITH_CHILD = """
+import slow_job
+from meshlab_symrecon.host.isolation import isolated
 with interruptible():
-    isolated(print, progress=lambda fraction, message: stuck(), folders=[out])
-""")
+    isolated(slow_job.work, out, progress=lambda fraction, message: stuck(), folders=[out])
+"""
+
+
+def test_children_end_too(start, tmp_path):
+    (tmp_path / "slow_job.py").write_text(SLOW_JOB)
+    process = start(WITH_CHILD)
     child = int((start.out / "pid").read_text())
+    assert is_running(child)
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=10)
     assert (process.returncode, said) == (130, f"{SENTENCE}\n")
     assert [path.name for path in start.out.iterdir()] == ["pid"]
     assert list(start.temporary.iterdir()) == []
-    with pytest.raises(ProcessLookupError):
-        os.kill(child, 0)
+    assert not is_running(child)
 
 
-WITH_CHILD = '''
-import meshlab_symrecon.host.isolation as isolation
-isolation.CHILD = """
-import os, time
-from pathlib import Path
-import meshlab_symrecon.host.isolation as isolation
-def job(*given, **more):
-    Path(os.environ["OUT"], "pid").write_text(str(os.getpid()))
-    more["progress"](0.5, "working")
-    time.sleep(60)
-isolation.pickle.loads = lambda data: (job, ())
-isolation.main()
-"""
-os.environ["OUT"] = str(out)
-def progress(fraction, message):
-    print("stuck", flush=True)
-    time.sleep(60)
-isolation.isolated(print, progress=progress)
-'''
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children of it")
-def test_an_isolated_child_ends_with_a_killed_parent(start):
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children at once")
+def test_a_child_ends_with_a_killed_parent(start, tmp_path):
+    (tmp_path / "slow_job.py").write_text(SLOW_JOB)
     process = start(WITH_CHILD)
     child = int((start.out / "pid").read_text())
     assert is_running(child)
@@ -244,7 +224,7 @@ def is_running(process):
     """Say whether a process runs; one that waits for a parent to ask for it does not."""
     try:
         status = Path(f"/proc/{process}/stat").read_text()
-    except FileNotFoundError:
+    except (FileNotFoundError, ProcessLookupError):
         return False
     return status.rpartition(")")[2].split()[0] != "Z"
 
@@ -283,6 +263,21 @@ def test_an_interruption_waits_for_an_unbroken_block():
     with pytest.raises(Interruption):
         work()
     assert done == ["inner", "outer"]
+
+
+def test_work_with_many_children_may_take_its_time(start):
+    process = start("""
+from meshlab_symrecon.host.interruption import unhurried
+try:
+    with interruptible(), unhurried(20.0):
+        stuck(1.5)
+except Interruption:
+    print("tidied up")
+    sys.exit(3)
+""")
+    process.send_signal(signal.SIGINT)
+    told, said = process.communicate(timeout=20)
+    assert (process.returncode, told, said) == (3, "tidied up\n", "")
 
 
 def test_settling_removes_what_an_interrupted_removal_left(tmp_path):
