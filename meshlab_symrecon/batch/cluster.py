@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from typing import Any
 
 from meshlab_symrecon.batch.reports import ScanReport
@@ -49,13 +50,11 @@ def on_cluster(
 def _done(
     client: Any, jobs: Sequence[Job], said: Callable[[str], None]
 ) -> Generator[ScanReport, None, None]:
-    from distributed import as_completed
-
     by_task = {client.submit(supervised_there, job, pure=False): job for job in jobs}
-    workers = set(client.scheduler_info(n_workers=-1)["workers"])
+    workers = set(client.ncores())
     try:
-        for task in as_completed(by_task):
-            now = set(client.scheduler_info(n_workers=-1)["workers"])
+        for task in _distributed().as_completed(by_task, loop=client.loop):
+            now = set(client.ncores())
             for worker in sorted(workers - now):
                 said(f"the worker at {worker} is gone; its scans are done again by others")
             workers = now
@@ -74,9 +73,7 @@ def _lost(job: Job, task: Any) -> HostError:
 
 def supervised_there(job: Job) -> ScanReport:
     """Do a job on a worker, for as long as its batch wants it."""
-    from distributed import get_worker
-
-    worker = get_worker()
+    worker = _distributed().get_worker()
     key = worker.get_current_task()
 
     def wanted() -> bool:
@@ -86,16 +83,20 @@ def supervised_there(job: Job) -> ScanReport:
     return supervised(job, wanted)
 
 
-@contextmanager
-def _connected(address: str) -> Iterator[Any]:
+def _distributed() -> Any:
     try:
-        from distributed import Client
+        return import_module("distributed")
     except ImportError as error:
         message = "a cluster needs the extra 'distributed', which is not installed"
         raise SymReconError(f"{message}; {INSTALL}") from error
+
+
+@contextmanager
+def _connected(address: str) -> Iterator[Any]:
+    distributed = _distributed()
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters we say ourselves
     try:
-        client = Client(address, timeout=PATIENCE, set_as_default=False)
+        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         message = f"no dask scheduler answers at {address}"
         raise HostError(

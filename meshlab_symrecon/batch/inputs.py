@@ -97,7 +97,7 @@ def _in_folder(folder: Path, recursive: bool) -> Iterator[Path]:
 
 
 def _fitting(pattern: str) -> Iterator[Path]:
-    paths = (Path(name) for name in glob.iglob(pattern, recursive=True))
+    paths = (Path(name) for name in glob.iglob(pattern, recursive=True))  # noqa: PTH207  absolute ones too
     return (path for path in paths if not path.is_dir())
 
 

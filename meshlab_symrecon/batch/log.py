@@ -19,7 +19,7 @@ __all__ = ["Log", "opened_log"]
 
 BEGINNING = b'{"scan": '
 REQUIRED = {"scan": str, "output": str, "name": str, "status": str, "work_sha256": str}
-OPTIONAL = {"input_sha256": str, "output_sha256": str, "error": str, "limits": dict}
+OPTIONAL = {"input_sha256": str, "output_sha256": str, "error": str, "limits": dict, "points": int}
 
 
 class Log:

@@ -60,7 +60,10 @@ def planned(batch: Batch) -> Plan:
     """
     from meshlab_symrecon.host.files import READABLE, WRITABLE
     from meshlab_symrecon.host.projects import PROJECT
+    from meshlab_symrecon.host.thinning import check_most
 
+    if batch.limits.points is not None:
+        check_most(batch.limits.points)
     work = _work(batch)
     count = _count(batch)
     folder = Path(batch.folder)

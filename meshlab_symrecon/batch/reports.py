@@ -50,6 +50,8 @@ class ScanReport:
     work_sha256 : str
         Checksum of all that makes the result: script, parameters, versions.
     parameters, limits, versions, measures : mapping
+    points : int or None
+        Of the scan as it was read.
     steps : sequence of mapping
         What became of each step of a script.
     warnings : sequence of str
@@ -78,6 +80,7 @@ class ScanReport:
     limits: Mapping[str, Any] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     measures: Mapping[str, Any] = field(default_factory=dict)
+    points: int | None = None
     steps: Sequence[Mapping[str, Any]] = ()
     warnings: Sequence[str] = ()
     again: str | None = None

@@ -27,7 +27,7 @@ class Limits:
     memory : int or None
         Bytes.
     points : int or None
-        A larger scan is refused before the work.
+        A scan with more is thinned out evenly to these first; at least 100.
     threads : int or None
         Of each scan; None is one when several scans are worked on at once, all cores otherwise.
 

@@ -23,7 +23,7 @@ from meshlab_symrecon.batch.work import Job
 __all__ = ["Standing", "standing"]
 
 PASSING = (NOT_WRITTEN, KILLED)  # may well go the next time
-LIMITED = {TIMED_OUT: ("seconds",), OUT_OF_MEMORY: ("memory",), TOO_LARGE: ("points", "memory")}
+LIMITED = {TIMED_OUT: ("seconds",), OUT_OF_MEMORY: ("memory",), TOO_LARGE: ("memory",)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,12 +77,26 @@ def _why_again(job: Job, report: ScanReport | None, retry: bool) -> str | None:
         return _difference(job, report)
     if report.input_sha256 is None or sha256_of(job.scan) != report.input_sha256:
         return "the scan has changed"
-    if report.status != DONE:
-        return _why_retried(job, report, retry)
+    most = report.limits.get("points")
+    if _points_worked_on(report, most) != _points_worked_on(report, job.limits.points):
+        return "the limit of points has been changed"
+    if report.status == DONE:
+        return _why_made_again(job, report)
+    return _why_retried(job, report, retry)
+
+
+def _why_made_again(job: Job, report: ScanReport) -> str | None:
     checksum = sha256_of(job.output)
     if checksum is None:
         return "its result is gone"
     return None if checksum == report.output_sha256 else "its result has been changed"
+
+
+def _points_worked_on(report: ScanReport, most: object) -> object:
+    """Return to how many points a scan is thinned out; the limit itself when nobody knows."""
+    if report.points is None:
+        return most
+    return min(report.points, most) if isinstance(most, int) else report.points
 
 
 def _difference(job: Job, report: ScanReport) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from meshlab_symrecon.batch.reports import DONE, FAILED, NOT_WRITTEN, OUT_OF_MEMORY, TOO_LARGE
 from meshlab_symrecon.batch.request import Limits
 from meshlab_symrecon.batch.versions import versions
-from meshlab_symrecon.errors import FileError, HostError, SymReconError
+from meshlab_symrecon.errors import FileError, HostError, SizeError, SymReconError
 
 if TYPE_CHECKING:
     from meshlab_symrecon.plugin import Progress
@@ -87,10 +87,10 @@ def do_job(job: Job, *, progress: Progress) -> dict[str, Any]:
         mesh_set = _worked(job, found, progress)
         progress(1.0, f"writing {job.output}")
         _save(mesh_set, job)
-    except MemoryError:
-        return found | {"status": OUT_OF_MEMORY}
     except SymReconError as error:
         return found | {"status": _status(error), "error": str(error)}
+    except MemoryError:
+        return found | {"status": OUT_OF_MEMORY}
     except Exception as error:  # noqa: BLE001  whatever a plugin raises; the other scans go on
         words = " ".join(f"{type(error).__name__}: {error}".split())
         return found | {"status": FAILED, "error": words}
@@ -100,48 +100,58 @@ def do_job(job: Job, *, progress: Progress) -> dict[str, Any]:
 def _worked(job: Job, found: dict[str, Any], progress: Progress) -> Any:
     """Return the document after the work; note what was found and measured."""
     from meshlab_symrecon.host.measures import plain
-
-    check_size(job)
-    if job.work.script:
-        mesh_set, report = _scripted(job, progress)
-        found["steps"] = plain(report.steps)
-        found["measures"] = _of_steps(report.steps)
-        found["parameters"] = {"strict": job.work.strict, "lenient": job.work.lenient}
-        return mesh_set
     from meshlab_symrecon.host.reconstruction import parameters_as_run, whole_method
 
-    result = whole_method(job.scan, job.work.settings, progress)
+    found["parameters"] = {"max_points": job.limits.points}
+    if job.work.script:
+        found["parameters"] |= {"strict": job.work.strict, "lenient": job.work.lenient}
+        mesh_set, report = _scripted(job, found, progress)
+        found["steps"] = plain(report.steps)
+        found["measures"] = _of_steps(report.steps)
+        return mesh_set
+    settings, limits = job.work.settings, job.limits
+    found["parameters"] |= plain(parameters_as_run(settings))
+    result = whole_method(job.scan, settings, progress, limits.points, limits.memory)
+    found["points"] = result.measured
     found["measures"] = _of_method(result)
-    found["parameters"] = plain(parameters_as_run(job.work.settings))
     return result.mesh_set
 
 
-def check_size(job: Job) -> None:
-    """Refuse a scan that is too large, before the work."""
-
-
-def _scripted(job: Job, progress: Progress) -> tuple[Any, Any]:
+def _scripted(job: Job, found: dict[str, Any], progress: Progress) -> tuple[Any, Any]:
     from meshlab_symrecon.host.files import new_document
-    from meshlab_symrecon.host.projects import load_input
+    from meshlab_symrecon.host.projects import files_of, load_input
     from meshlab_symrecon.host.script import run_steps
+    from meshlab_symrecon.host.size import check_memory
+    from meshlab_symrecon.host.thinning import thin_current
 
     script = pickle.loads(job.work.script)  # noqa: S301  the coordinator's
+    most = job.limits.points
+    names = [step.name for step in script.steps]
+    check_memory(files_of(job.scan), job.limits.memory, most=most, steps=names, work="the script")
     mesh_set = new_document()
     progress(0.0, f"reading {job.scan}")
     load_input(job.scan, mesh_set)
+    found["points"] = int(mesh_set.current_mesh().vertex_number())
+    if most is not None and found["points"] > most:
+        progress(0.0, f"thinning out {found['points']} points")
+        thin_current(mesh_set, most)
     how = {"strict": job.work.strict, "lenient": job.work.lenient}
     return mesh_set, run_steps(mesh_set, script, **how, progress=progress)
 
 
 def _save(mesh_set: Any, job: Job) -> None:
     from meshlab_symrecon.host.files import save_current
-    from meshlab_symrecon.host.projects import PROJECT, save_project
+    from meshlab_symrecon.host.projects import PROJECT, files_of, save_project
+    from meshlab_symrecon.host.records import record_of
 
+    most = job.limits.points
+    asked = dict(job.work.settings) | ({} if most is None else {"max_points": most})
+    record = record_of(mesh_set, files_of(job.scan), asked)
     try:
         if job.output.suffix.lower() == f".{PROJECT}":
-            save_project(mesh_set, job.output, [job.scan])
+            save_project(mesh_set, job.output, files_of(job.scan), record=record)
         else:
-            save_current(mesh_set, job.output)
+            save_current(mesh_set, job.output, record)
     except FileError as error:
         raise _NotWrittenError(str(error)) from error
 
@@ -151,11 +161,11 @@ class _NotWrittenError(FileError):
 
 
 def _status(error: SymReconError) -> str:
-    causes = list(_causes(error))
+    if isinstance(error, SizeError):
+        return TOO_LARGE
+    causes = _causes(error)
     if any(isinstance(cause, MemoryError) or "bad_alloc" in str(cause) for cause in causes):
         return OUT_OF_MEMORY
-    if type(error).__name__ == "SizeError":
-        return TOO_LARGE
     full = any(isinstance(cause, OSError) and cause.errno in FULL for cause in causes)
     return NOT_WRITTEN if full or isinstance(error, _NotWrittenError) else FAILED
 

@@ -10,14 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from meshlab_symrecon.cli.border import DONE, FAILED, INTERRUPTED
+from meshlab_symrecon.cli.border import DONE, FAILED, OF_SIGNALS
 
 if TYPE_CHECKING:
     from meshlab_symrecon.batch import Batch, BatchReport, Limits
+    from meshlab_symrecon.cli.batch_display import Counting
 
 __all__ = ["batch"]
 
 RECONSTRUCT = "reconstruct"
+SIGNALS = [
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+]
 SEED_LIMIT = 2**31 - 1
 
 
@@ -47,8 +51,8 @@ SEED_LIMIT = 2**31 - 1
 )  # fmt: skip
 @click.option("--memory-limit", "memory", metavar="4G", help="End a scan that needs more.")
 @click.option(
-    "--max-points", "points", type=click.IntRange(1), metavar="N",
-    help="Refuse a larger scan before the work.",
+    "--max-points", "points", type=click.IntRange(100), metavar="N",
+    help="Thin a scan with more points out evenly to these first.",
 )  # fmt: skip
 @click.option(
     "--scheduler", metavar="ADDRESS",
@@ -74,8 +78,8 @@ SEED_LIMIT = 2**31 - 1
     "--paint", is_flag=True,
     help="For reconstruct: colour by what was measured and what was invented.",
 )  # fmt: skip
-@click.option("--quiet", is_flag=True, help="Say nothing but errors.")
-def batch(summary: Path | None, quiet: bool, **given: Any) -> int:
+@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+def batch(summary: Path | None, **given: Any) -> int:
     """Run a script, or the word "reconstruct" for the whole method, on every scan in IN...
 
     IN are files, folders, and quoted patterns such as 'scans/**/*.ply'. Each scan is worked on in
@@ -83,20 +87,24 @@ def batch(summary: Path | None, quiet: bool, **given: Any) -> int:
     command goes on where it stopped.
 
     Exit codes: 0 every scan has a result, 1 some have none (or an error of the whole batch), 2
-    wrong usage, 130 interrupted.
+    wrong usage, 130 interrupted (143 by SIGTERM).
     """
-    from meshlab_symrecon.batch import BatchInterruptedError, run_batch
+    from meshlab_symrecon.batch import run_batch
     from meshlab_symrecon.cli.batch_display import display, print_table
+    from meshlab_symrecon.host.interruption import signal_of_interruption
 
+    quiet = _with_options_before(given)
     asked = _asked(**given)
     if summary is not None:
         _check_summary(summary, asked)
-    try:
-        with _termination_as_interruption(), display(quiet) as listener:
-            report = run_batch(asked, listener)
-    except BatchInterruptedError as interrupted:
-        click.echo(f"interrupted; {interrupted}, and the same command goes on", err=True)
-        return INTERRUPTED
+    with display(quiet) as listener:
+        try:
+            with _time_to_tidy_up():
+                report = run_batch(asked, listener)
+        except (KeyboardInterrupt, Exception):  # libraries make others of an interruption
+            if not signal_of_interruption():
+                raise
+            return _interrupted(listener)
     if summary is not None:
         from meshlab_symrecon.cli.reports import write_json
 
@@ -107,6 +115,23 @@ def batch(summary: Path | None, quiet: bool, **given: Any) -> int:
         return DONE
     click.echo(f"error: {_failures(report)}", err=True)
     return FAILED
+
+
+def _with_options_before(given: dict[str, Any]) -> bool:
+    """Take what stands before the command's name where the command has nothing; return quiet."""
+    before = click.get_current_context().find_root().params
+    for name in ("log", "threads"):
+        if given[name] is None:
+            given[name] = before.get(name)
+    return bool(given.pop("quiet") or before.get("quiet"))
+
+
+def _interrupted(listener: Counting) -> int:
+    from meshlab_symrecon.host.interruption import signal_of_interruption
+
+    done = f"{listener.count} of {listener.total} scans are done" if listener.total else "no work"
+    click.echo(f"interrupted; {done}, and the same command goes on", err=True)
+    return OF_SIGNALS + signal_of_interruption()
 
 
 def _asked(
@@ -176,14 +201,23 @@ def _failures(report: BatchReport) -> str:
 
 
 @contextmanager
-def _termination_as_interruption() -> Iterator[None]:
-    """Take a SIGTERM for a Ctrl-C."""
+def _time_to_tidy_up() -> Iterator[None]:
+    """Answer a signal at once: several processes have to be ended, which we see to ourselves."""
+    from meshlab_symrecon.host.interruption import interruption_settled
 
-    def interrupt(number: int, frame: Any) -> None:
-        raise KeyboardInterrupt
+    def answered(before: Any) -> Any:
+        def handler(number: int, frame: Any) -> None:
+            interruption_settled()
+            before(number, frame)
 
-    before = signal.signal(signal.SIGTERM, interrupt)
+        return handler
+
+    known = {number: signal.getsignal(number) for number in SIGNALS}
+    ours = {number: before for number, before in known.items() if callable(before)}
     try:
+        for number, before in ours.items():
+            signal.signal(number, answered(before))
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, before in ours.items():
+            signal.signal(number, before)

@@ -16,17 +16,17 @@ from meshlab_symrecon.batch.reports import DONE
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-__all__ = ["display", "found_in_words", "print_table"]
+__all__ = ["Counting", "display", "found_in_words", "print_table"]
 
 IN_A_PIPE = 10_000  # columns, so that nothing is cut
 SHOWN = 3  # measures of a script
 
 
 @contextmanager
-def display(quiet: bool) -> Iterator[Listener]:
+def display(quiet: bool) -> Iterator[Counting]:
     """Yield what tells of the progress: a bar on a terminal, lines in a pipe."""
     if quiet:
-        yield Listener()
+        yield Counting()
     elif sys.stderr.isatty():
         with _bar() as listener:
             yield listener
@@ -34,16 +34,18 @@ def display(quiet: bool) -> Iterator[Listener]:
         yield _Lines()
 
 
-class _Counting(Listener):
-    """Counts, and tells what is new."""
+class Counting(Listener):
+    """Counts, and says nothing."""
 
     def __init__(self) -> None:
         self.total = self.count = self.failed = self.resumed = 0
 
     def planned(self, total: int) -> None:
+        """Take note of the number of scans."""
         self.total = total
 
     def ended(self, report: ScanReport) -> None:
+        """Count a scan, and tell of it when it is of this run."""
         self.count += 1
         self.failed += report.status != DONE
         self.resumed += report.resumed
@@ -53,19 +55,19 @@ class _Counting(Listener):
     def new(self, report: ScanReport) -> None:
         """Tell of a scan of this run."""
 
+
+class _Lines(Counting):
+    """One line a scan."""
+
     def said(self, sentence: str) -> None:
         click.echo(sentence, err=True)
-
-
-class _Lines(_Counting):
-    """One line a scan."""
 
     def new(self, report: ScanReport) -> None:
         words = f"{report.seconds:.1f} s" if report.status == DONE else report.error
         click.echo(f"[{self.count}/{self.total}] {report.status} {report.scan}: {words}", err=True)
 
 
-class _Bar(_Counting):
+class _Bar(Counting):
     """A bar with counts and the time left; what has failed is told above it."""
 
     def __init__(self, bar: Progress) -> None:
@@ -93,7 +95,7 @@ class _Bar(_Counting):
 
 
 @contextmanager
-def _bar() -> Iterator[Listener]:
+def _bar() -> Iterator[Counting]:
     from rich import progress
     from rich.console import Console
 
