@@ -21,7 +21,9 @@ SHIPPED = sorted(Path(__file__).parents[2].joinpath("meshlab_scripts").glob("*.m
 def without_record(path):
     """Return the bytes of a PLY file but for what it says about how it was made."""
     header, end, body = path.read_bytes().partition(b"end_header\n")
-    kept = [line for line in header.splitlines() if not line.startswith(b"comment meshlab_symrecon")]
+    kept = [
+        line for line in header.splitlines() if not line.startswith(b"comment meshlab_symrecon")
+    ]
     assert len(kept) < len(header.splitlines())
     return kept, end, body
 
