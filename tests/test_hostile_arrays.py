@@ -17,6 +17,7 @@ from meshlab_symrecon.errors import GeometryError
 from meshlab_symrecon.geometry.local_planes import local_planes
 from meshlab_symrecon.geometry.triangulation import delaunay
 from meshlab_symrecon.powercrust import Recipe, reconstruct
+from meshlab_symrecon.powercrust.minimum_cut import _ties
 from meshlab_symrecon.symmetry import detect_reflection_planes
 
 FUZZ = Path(__file__).parents[1] / "benchmarks" / "fuzz_kernel.py"
@@ -181,6 +182,13 @@ def test_samples_nearer_than_a_square_can_tell_are_samples():
     twin = np.array([[0.0, 0.0, 0.0], [0.0, 1e-200, 0.0], [1e-200, 0.0, 0.0], [0.0, 0.0, 1e-200]])
     crust = reconstruct(np.concatenate([body, twin]), Recipe(keep_outliers=True))
     assert crust.topology.closed
+
+
+def test_beliefs_beyond_whole_numbers_keep_their_sign():
+    belief = np.array([1e12, -1e12, 0.5, 1e12])
+    ties = _ties(belief, np.array([False, False, False, True]))
+    assert np.sign(ties).tolist() == [-1, 1, -1, 1]
+    assert ties[3] > np.abs(ties[:3]).max()
 
 
 def test_stray_points_round_a_body_too_small_to_see_are_refused():
