@@ -152,7 +152,7 @@ def _without_answer(job: Job, ending: Ending) -> tuple[str, str]:
     if ending.stopped == TIMED_OUT:
         limit = f"{job.limits.seconds:g} s"
         error = f"{job.shown_scan}: it takes longer than {limit}{_while(ending)}"
-        return TIMED_OUT, f"{error}; allow more time, or simplify it first"
+        return TIMED_OUT, f"{error}; raise --time-limit, or simplify it first"
     if ending.stopped == OUT_OF_MEMORY or any(word in ending.words for word in NO_MEMORY):
         return OUT_OF_MEMORY, ""
     if ending.code < 0 and ending.code in [-getattr(signal, n, 0) for n in FROM_OUTSIDE]:
@@ -166,9 +166,11 @@ def _without_answer(job: Job, ending: Ending) -> tuple[str, str]:
 
 def _no_memory(job: Job, ending: Ending) -> str:
     limit = job.limits.memory
-    more = "the machine has" if limit is None else f"the limit of {in_bytes(limit)}"
-    error = f"{job.shown_scan}: it needs more memory than {more}{_while(ending)}"
-    return f"{error}; allow more, run fewer jobs at once, or simplify it first"
+    if limit is None:
+        error = f"{job.shown_scan}: the memory of the machine does not suffice{_while(ending)}"
+        return f"{error}; give fewer --jobs, thin it out with --max-points, or simplify it first"
+    error = f"{job.shown_scan}: it needs more than {in_bytes(limit)} of memory{_while(ending)}"
+    return f"{error}; raise --memory-limit, thin it out with --max-points, or simplify it first"
 
 
 def _while(ending: Ending) -> str:

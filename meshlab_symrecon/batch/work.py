@@ -102,6 +102,9 @@ def _worked(job: Job, found: dict[str, Any], progress: Progress) -> Any:
     from meshlab_symrecon.host.measures import plain
     from meshlab_symrecon.host.reconstruction import parameters_as_run, whole_method
 
+    if job.scan.exists() and not job.scan.is_file():  # whoever reads a pipe may wait for ever
+        message = f"{job.scan} cannot be read: it is not an ordinary file"
+        raise FileError(f"{message}; give a mesh file")
     found["parameters"] = {"max_points": job.limits.points}
     if job.work.script:
         found["parameters"] |= {"strict": job.work.strict, "lenient": job.work.lenient}

@@ -63,8 +63,7 @@ class _Lines(Counting):
         click.echo(sentence, err=True)
 
     def new(self, report: ScanReport) -> None:
-        words = f"{report.seconds:.1f} s" if report.status == DONE else report.error
-        click.echo(f"[{self.count}/{self.total}] {report.status} {report.scan}: {words}", err=True)
+        click.echo(f"[{self.count}/{self.total}] {_in_a_line(report)}", err=True)
 
 
 class _Bar(Counting):
@@ -88,7 +87,7 @@ class _Bar(Counting):
 
     def new(self, report: ScanReport) -> None:
         if report.status != DONE:
-            self.said(f"{report.status} {report.scan}: {report.error}")
+            self.said(_in_a_line(report))
 
     def said(self, sentence: str) -> None:
         self.bar.console.print(sentence, markup=False, highlight=False, soft_wrap=True)
@@ -109,6 +108,14 @@ def _bar() -> Iterator[Counting]:
     )
     with progress.Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         yield _Bar(bar)
+
+
+def _in_a_line(report: ScanReport) -> str:
+    if report.status == DONE:
+        return f"done {report.scan}: {report.seconds:.1f} s"
+    error = report.error or ""
+    named = error if error.startswith(report.scan) else f"{report.scan}: {error}"
+    return f"{report.status} {named}"
 
 
 def print_table(report: BatchReport) -> None:

@@ -1,0 +1,35 @@
+"""Limits and sizes."""
+
+from __future__ import annotations
+
+import pytest
+
+from meshlab_symrecon.batch import Limits
+from meshlab_symrecon.batch.request import bytes_of, in_bytes
+from meshlab_symrecon.errors import ParameterError
+
+
+@pytest.mark.parametrize(
+    ("text", "size"),
+    [("4G", 4 << 30), ("500m", 500 << 20), ("1.5 GiB", 3 << 29), ("12", 12), ("2KB", 2048)],
+)
+def test_sizes(text, size):
+    assert bytes_of(text) == size
+
+
+@pytest.mark.parametrize("text", ["", "G", "-1G", "4X", "0", "0M", "1e9", "4 G B", "nan"])
+def test_what_is_no_size(text):
+    with pytest.raises(ParameterError, match="is no size of memory"):
+        bytes_of(text)
+
+
+def test_sizes_in_words():
+    words = [in_bytes(size) for size in (12, 2048, 3 << 29, 4 << 40)]
+    assert words == ["12 bytes", "2 KB", "1.5 GB", "4 TB"]
+
+
+@pytest.mark.parametrize("name", ["seconds", "memory", "points", "threads"])
+@pytest.mark.parametrize("value", [0, -1, float("nan"), float("inf")])
+def test_limits_are_above_zero(name, value):
+    with pytest.raises(ParameterError, match=f"the limit of {name} is a number above zero"):
+        Limits(**{name: value})

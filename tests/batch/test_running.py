@@ -1,0 +1,209 @@
+"""Whole batches: interrupted in every way, they end with the same bytes."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+from batch_inputs import SCRIPT, Witness, cloud
+
+from meshlab_symrecon.batch import Batch, Limits, run_batch
+from meshlab_symrecon.errors import FileError, HostError, ParameterError, ScriptError
+
+CRASHES, DIVIDES = 77, 80
+BAD = {"s3.ply": "crashed", "s5.ply": "failed", "s7.ply": "failed"}
+POINTS = {"s3.ply": CRASHES, "s5.ply": DIVIDES}
+COUNT = 10
+PROGRAM = "from meshlab_symrecon.cli.main import main; main()"
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A folder with ten scans, three of them bad, and the results of an uninterrupted batch."""
+    folder = tmp_path_factory.mktemp("collection")
+    (folder / "halve.mlx").write_text(SCRIPT)
+    for number in range(COUNT):
+        name = f"s{number}.ply"
+        cloud(folder / "in" / name, POINTS.get(name, 40 + 100 * number), number)
+    (folder / "in" / "s7.ply").write_bytes(b"ply\nbroken")
+    witness = Witness()
+    report = run_batch(
+        Batch(folder / "halve.mlx", [folder / "in"], folder / "whole", jobs=2), witness
+    )
+    assert witness.total == COUNT
+    assert sorted(one.name for one in witness.reports) == [f"s{n}.ply" for n in range(COUNT)]
+    statuses = {one.name: one.status for one in report.scans}
+    assert statuses == {f"s{n}.ply": BAD.get(f"s{n}.ply", "done") for n in range(COUNT)}
+    return folder
+
+
+def bytes_in(folder):
+    """Return every file but the log, hidden ones too."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file() and path.suffix != ".jsonl"
+    }
+
+
+def started(place, out, **options):
+    words = ["batch", "halve.mlx", "in", "-d", out, "--jobs", "2"]
+    return subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, *words], cwd=place, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True, **options,
+    )  # fmt: skip
+
+
+def lines(log):
+    return log.read_bytes().count(b"\n") if log.exists() else 0
+
+
+def family(process):
+    return psutil.Process(process.pid).children(recursive=True)
+
+
+def working_at(process, log, count):
+    """Wait for lines in the log, and for a scan that is being worked on; return the processes."""
+    while process.poll() is None:
+        now = family(process)
+        if lines(log) >= count and any("isolated_child" in " ".join(_words(one)) for one in now):
+            return now
+        time.sleep(0.02)
+    raise AssertionError(process.communicate())
+
+
+def _words(process):
+    try:
+        return process.cmdline()
+    except psutil.Error:
+        return []
+
+
+def all_gone(processes):
+    def lives(process):
+        try:
+            return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
+        except psutil.Error:
+            return False
+
+    deadline = time.monotonic() + 10
+    while time.monotonic() < deadline and any(map(lives, processes)):
+        time.sleep(0.02)
+    return not any(map(lives, processes))
+
+
+def test_resumed_after_kill_9_the_bytes_are_those_of_an_uninterrupted_batch(place):
+    out = place / "killed"
+    for count in (1, 4):
+        process = started(place, "killed")
+        processes = working_at(process, out / "batch.jsonl", count)
+        process.kill()
+        process.communicate()
+        assert all_gone(processes)
+    (out / f".symrecon-{process.pid}-feedbeef-x").mkdir()  # of another machine: it stays
+    with (out / "batch.jsonl").open("ab") as log:
+        log.write(b'{"scan": "in/s9.ply", "outp')
+    before = lines(out / "batch.jsonl")
+    witness = Witness()
+    report = run_batch(Batch(place / "halve.mlx", [place / "in"], out, jobs=2), witness)
+    assert report.resumed == before
+    assert bytes_in(out) == bytes_in(place / "whole")
+    assert len(report.failed) == len(BAD)
+    logged = [json.loads(line) for line in (out / "batch.jsonl").read_text().splitlines()]
+    assert sorted(line["name"] for line in logged) == [f"s{n}.ply" for n in range(COUNT)]
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_batch_says_how_to_go_on(place, number, code):
+    out = place / f"interrupted by {int(number)}"
+    process = started(place, out.name)
+    processes = working_at(process, out / "batch.jsonl", 1)
+    os.killpg(process.pid, number)  # as a terminal does, to all of its processes
+    _, said = process.communicate()
+    assert process.returncode == code, said
+    assert all_gone(processes)
+    assert f"of {COUNT} scans are done, and the same command goes on" in said.splitlines()[-1]
+    assert "Traceback" not in said
+    assert not [path for path in out.iterdir() if path.name.startswith(".")]
+    whole = bytes_in(place / "whole")
+    assert all(whole[name] == content for name, content in bytes_in(out).items())
+
+
+def test_a_worker_that_is_killed_is_no_end(place):
+    process = started(place, "worker")
+    out = place / "worker"
+    processes = working_at(process, out / "batch.jsonl", 1)
+    workers = [one for one in processes if "loky" in " ".join(_words(one)) and one.children()]
+    workers[0].kill()
+    _, said = process.communicate()
+    assert process.returncode == 1
+    assert "a worker process was ended from outside" in said
+    assert bytes_in(out) == bytes_in(place / "whole")
+
+
+def test_what_is_done_again_is_told_why(place, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    script = tmp_path / "halve.mlx"
+    script.write_text(SCRIPT)
+    for name, count in (("a", 60), ("b", 61), ("c", DIVIDES)):
+        cloud(tmp_path / "in" / f"{name}.ply", count)
+
+    def reasons(**how):
+        witness = Witness()
+        run_batch(Batch("halve.mlx", ["in"], "out", jobs=1, **how), witness)
+        return {
+            sentence.split(" ")[0]: sentence.split(": ")[1] for sentence in witness.sentences
+        }, {one.name for one in witness.reports if not one.resumed}
+
+    assert reasons() == ({}, {"a.ply", "b.ply", "c.ply"})
+    assert reasons() == ({}, set())
+    assert reasons(limits=Limits(points=1000)) == ({}, set())  # none of them has as many
+    whole = Path("out/a.ply").read_bytes()
+    Path("out/a.ply").unlink()
+    Path("out/b.ply").write_bytes(b"edited")
+    told = {"in/a.ply": "its result is gone", "in/b.ply": "its result has been changed"}
+    assert reasons() == (told, {"a.ply", "b.ply"})
+    assert Path("out/a.ply").read_bytes() == whole
+    cloud(tmp_path / "in/a.ply", 62)
+    assert reasons() == ({"in/a.ply": "the scan has changed"}, {"a.ply"})
+    assert reasons(retry=True) == ({"in/c.ply": "it had failed"}, {"c.ply"})
+    script.write_text(SCRIPT.replace("0.5", "0.25"))
+    assert set(reasons()[0].values()) == {"the script has changed"}
+
+
+def test_a_batch_that_is_wrong_starts_nothing(tmp_path, script):
+    scan = cloud(tmp_path / "in/a.ply", 60)
+    before = scan.read_bytes()
+    out = tmp_path / "out"
+    link = tmp_path / "linked"
+    link.mkdir()
+    (link / "a.ply").symlink_to(scan)
+    wrong = script.with_name("wrong.mlx")
+    wrong.write_text(SCRIPT.replace("Be Awkward", "Be Nice"))
+    for how, error, words in (
+        ({"folder": scan.parent}, FileError, "would overwrite a scan"),
+        ({"folder": scan.parent, "name": "{stem}_x.ply"}, FileError, "among the scans"),
+        ({"folder": link}, FileError, "would overwrite a scan"),
+        ({"folder": scan}, FileError, "cannot be made"),
+        ({"log": scan}, FileError, "would overwrite a file of the batch"),
+        ({"script": wrong}, ScriptError, "Be Nice"),
+        ({"strict": True, "lenient": True}, ParameterError, "contradict"),
+        ({"jobs": 0}, ParameterError, "jobs is a number above zero"),
+        ({"jobs": 2, "scheduler": "tcp://x:1"}, ParameterError, "give one of jobs and scheduler"),
+        ({"settings": {"paint": True}}, ParameterError, "write them in the script"),
+        ({"script": "reconstruct", "lenient": True}, ParameterError, "are for scripts"),
+        ({"script": "reconstruct", "settings": {"randomseed": -1}}, ParameterError, "randomseed"),
+        ({"limits": Limits(points=5)}, ParameterError, "100"),
+        ({"scheduler": "tcp://127.0.0.1:9"}, HostError, "no dask scheduler answers at"),
+    ):
+        with pytest.raises(error, match=words):
+            run_batch(Batch(**({"script": script, "inputs": [scan], "folder": out} | how)))
+    assert scan.read_bytes() == before
+    assert not (out / "a.ply").exists()

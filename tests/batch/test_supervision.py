@@ -1,0 +1,186 @@
+"""One scan in its own process: whatever becomes of it is a report."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import resource
+import signal
+import threading
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+from batch_inputs import cloud
+
+from meshlab_symrecon.batch import Batch, Limits
+from meshlab_symrecon.batch.plan import planned
+from meshlab_symrecon.batch.supervision import supervised
+from meshlab_symrecon.errors import HostError
+
+CRASHES, SWELLS, GRASPS, DIVIDES, SLEEPS = 77, 78, 79, 80, 81
+
+
+@pytest.fixture
+def job(tmp_path, script):
+    """Return a function that makes the job of a scan with a number of points."""
+
+    def make(count, limits=None, **how):
+        scan = cloud(tmp_path / "in" / f"{count}.ply", count)
+        batch = Batch(script, [scan], tmp_path / "out", limits=limits or Limits(), jobs=1, **how)
+        return planned(batch).jobs[0]
+
+    return make
+
+
+def children():
+    return [child for child in psutil.Process().children(recursive=True) if child.is_running()]
+
+
+def left_in(folder):
+    return sorted(path.name for path in Path(folder).iterdir())
+
+
+def test_a_good_scan(tmp_path, job):
+    one = job(60)
+    before = one.scan.read_bytes()
+    report = supervised(one)
+    assert report.status == "done"
+    assert report.error is None
+    assert report.points == 60
+    assert report.measures["points"] == 60
+    assert [step["status"] for step in report.steps] == ["ran", "ran"]
+    assert report.peak_memory_bytes > 30 << 20
+    assert report.input_sha256 != report.output_sha256 is not None
+    assert report.versions["pymeshlab"]
+    assert one.scan.read_bytes() == before
+    assert left_in(tmp_path / "out") == ["60.ply"]
+    assert supervised(one).output_sha256 == report.output_sha256
+
+
+@pytest.mark.parametrize(
+    ("count", "limits", "status", "words"),
+    [
+        (CRASHES, {}, "crashed", "ended the process by SIGSEGV"),
+        (SWELLS, {"memory": 400 << 20}, "out of memory", "it needs more than 400 MB of memory"),
+        (GRASPS, {"memory": 400 << 20}, "out of memory", "raise --memory-limit, thin it out with"),
+        (DIVIDES, {}, "failed", "ZeroDivisionError"),
+        (SLEEPS, {"seconds": 8.0}, "timed out", "it takes longer than 8 s (halve.mlx:2"),
+    ],
+)
+def test_a_bad_scan(tmp_path, job, monkeypatch, count, limits, status, words):
+    one = job(count, Limits(**limits))
+    monkeypatch.chdir(tmp_path)
+    report = supervised(one)
+    shown = (report.error or "").replace(f"{tmp_path}{os.sep}", "")
+    assert report.status == status, report.error
+    assert words in shown
+    assert "Traceback" not in shown
+    assert report.output_sha256 is None
+    assert left_in(tmp_path / "out") == []
+    assert children() == []
+
+
+def test_a_scan_that_is_too_large_is_told_before_the_work(tmp_path, job):
+    one = job(60, Limits(memory=1 << 30))
+    one.scan.write_bytes(one.scan.read_bytes().replace(b"vertex 60", b"vertex 90000000"))
+    report = supervised(one)
+    assert report.status == "too large"
+    assert "90000000 points" in report.error
+    assert "--max-points" in report.error
+
+
+def test_a_process_that_is_killed_from_outside(tmp_path, job):
+    one = job(SLEEPS)
+
+    def kill():
+        while not children():
+            time.sleep(0.05)
+        children()[0].send_signal(signal.SIGKILL)
+
+    thread = threading.Thread(target=kill)
+    thread.start()
+    report = supervised(one)
+    thread.join()
+    assert report.status == "killed"
+    assert "its process was ended from outside" in report.error
+    assert left_in(tmp_path / "out") == []
+
+
+def test_what_nobody_wants_is_ended(tmp_path, job):
+    asked = []
+
+    def wanted():
+        asked.append(True)
+        return len(asked) < 5
+
+    with pytest.raises(HostError, match="the batch has ended"):
+        supervised(job(SLEEPS), wanted)
+    assert children() == []
+
+
+def test_damaged_files_are_told(tmp_path, script):
+    for name, content in (("a.ply", b""), ("b.ply", b"ply\nnothing"), ("c.obj", b"\xff" * 100)):
+        (tmp_path / "in").mkdir(exist_ok=True)
+        (tmp_path / "in" / name).write_bytes(content)
+    (tmp_path / "in" / "d.ply").symlink_to("nowhere.ply")
+    os.mkfifo(tmp_path / "in" / "e.ply")
+    plan = planned(Batch(script, [tmp_path / "in"], tmp_path / "out", jobs=1))
+    reports = {Path(job.scan).name: supervised(job) for job in plan.jobs}
+    assert {name: report.status for name, report in reports.items()} == dict.fromkeys(
+        ("a.ply", "b.ply", "c.obj", "d.ply", "e.ply"), "failed"
+    )
+    assert reports["a.ply"].error == f"{tmp_path}/in/a.ply is empty; write or download it again"
+    assert reports["e.ply"].input_sha256 is None
+    assert left_in(tmp_path / "out") == []
+
+
+def test_a_full_disk_is_told_in_the_systems_words(tmp_path, job):
+    one = job(3000)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))  # of the child too
+    try:
+        report = supervised(one)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, ignored)
+    assert report.status == "not written"
+    assert "3000.ply cannot be written" in report.error
+    assert left_in(tmp_path / "out") == []
+
+
+def test_a_scan_is_thinned_out_first(tmp_path, job):
+    report = supervised(job(1000, Limits(points=500)))
+    assert report.status == "done"
+    assert report.points == 1000
+    assert 450 <= report.measures["points"] <= 500
+
+
+def test_a_worker_of_another_version_refuses(job):
+    from dataclasses import replace
+
+    one = job(60)
+    other = replace(one.work, versions=dict(one.work.versions) | {"pymeshlab": "2031.1"})
+    report = supervised(replace(one, work=other))
+    assert report.status == "failed"
+    assert "pymeshlab 2031.1" in report.error
+    assert "install the same versions on both" in report.error
+
+
+def test_threads_are_told_before_libraries_are_loaded(job, monkeypatch):
+    from meshlab_symrecon.batch import supervision
+
+    told = []
+    monkeypatch.setattr(
+        supervision, "run_child", lambda *_, bounds, **__: told.append(bounds) or 1 / 0
+    )
+    with pytest.raises(ZeroDivisionError):
+        supervised(job(60, Limits(threads=3)))
+    assert told[0].environment["OMP_NUM_THREADS"] == "3"
+
+
+def test_jobs_travel(job):
+    one = job(60)
+    assert pickle.loads(pickle.dumps(one)) == one
