@@ -64,7 +64,7 @@ COSTS = {
     "generate_reflection_planes": Cost(100 * MEGABYTE, 230),
     # A statue of which a sixth is missing has a fifth more points afterwards.
     "generate_mirror_completed_points": Cost(260 * MEGABYTE, 430, kept=130, points=1.2),
-    "generate_surface_reconstruction_power_crust": Cost(60 * MEGABYTE, 2_000, kept=500, points=2.2),
+    "generate_surface_reconstruction_power_crust": Cost(60 * MEGABYTE, 2_200, kept=500, points=2.2),
     "generate_simplified_points": Cost(60 * MEGABYTE, 900, kept=90),
     "compute_scalar_by_mirror_symmetry_per_vertex": Cost(160 * MEGABYTE, 350, kept=16),
 }
