@@ -3,6 +3,7 @@
 # make sdist, make wheel: what is released, in dist/, and checked.
 # make test-oldest: every test with the oldest version of each dependency (OLDEST_PYTHON=python3.10).
 # make sanitize: the kernel's tests, on a build that stops at wrong addresses and undefined operations.
+# make fuzz: hostile input for the kernel, SEEDS=2000 calls.
 # make gallery: the pictures of the documents (some need Chromium, or SYMRECON_DATA).
 # Needs Python 3.10 or newer, a C++17 compiler and make; everything else goes into .venv.
 PYTHON ?= python3
@@ -15,11 +16,12 @@ OLDEST := $(VENV)/oldest
 RELEASE := $(VENV)/release
 
 SANITIZED := build/sanitize
+SEEDS ?= 2000
 # The tests of the kernel and the algorithms; pymeshlab is no part of them.
 KERNEL_TESTS := tests/geometry tests/clustering tests/symmetry tests/powercrust tests/test_arrays.py \
-  tests/test_native_types.py
+  tests/test_native_types.py tests/test_hostile_arrays.py
 
-.PHONY: demo test lint unit bench sanitize docs gallery sdist wheel test-oldest clean
+.PHONY: demo test lint unit bench sanitize fuzz docs gallery sdist wheel test-oldest clean
 
 demo: $(VENV)/installed
 	mkdir -p $(DEMO)
@@ -57,6 +59,9 @@ sanitize: $(SANITIZED)/installed
 	cd $(SANITIZED) && $(SANITIZE) $(abspath $(BIN))/python -c \
 	  "from meshlab_symrecon import _native; assert '$(SANITIZED)' in _native.__file__, _native.__file__"
 	$(SANITIZE) $(BIN)/pytest -q $(KERNEL_TESTS)
+
+fuzz: $(VENV)/installed-dev
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/fuzz_kernel.py --seeds $(SEEDS)
 
 $(SANITIZED)/installed: $(SOURCES) $(VENV)/installed-dev
 	rm -rf $(SANITIZED)/site

@@ -96,8 +96,8 @@ def main() -> int:
             table.setdefault(extension, Counter())[kind] += 1
             if kind in BAD:
                 how = getattr(damage, "__name__", "as it is")
-                found = f"{outcome.points} of {good.points} points, {outcome.faces} of {good.faces}"
-                print(f"{kind}: {number} {good.name}, {how}: {outcome.message[-300:]} ({found} faces)"
+                found = f"{outcome.points}/{good.points} points, {outcome.faces}/{good.faces}"
+                print(f"{kind}: {number} {good.name}, {how}: {outcome.message[-300:]} ({found})"
                       f" {' '.join(outcome.warnings)[:200]}", flush=True)  # fmt: skip
                 if options.keep:
                     options.keep.mkdir(parents=True, exist_ok=True)

@@ -2,9 +2,10 @@
 
     python benchmarks/fuzz_kernel.py --seeds 2000
 
-The calls are those of tests/hostile_calls.py. They run in a child process: one that crashes, or that takes longer than
-the limit, is reported with its seed, and the next one goes on behind it. Odd seeds call the bindings with arrays that
-do not fit, even ones the public functions with clouds that nobody wants.
+The calls are those of tests/hostile_calls.py. They run in a child process: one that crashes, or
+that takes longer than the limit, is reported with its seed, and the next one goes on behind it. Odd
+seeds call the bindings with arrays that do not fit, even ones the public functions with clouds that
+nobody wants.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import traceback
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-LAST_LINES = 12  # of what a dead child said
+LAST_LINES, WIDTH = 30, 200  # of what a dead child said
 
 
 def work(seeds):
@@ -40,53 +41,63 @@ def work(seeds):
         print(f"end {seed} {told.splitlines()[0] if told else ''}", flush=True)
 
 
-def watched(seeds, limit):
-    """Yield (seed, name, outcome, seconds) of each call, over as many children as it takes."""
-    seeds = list(seeds)
-    while seeds:
-        arguments = [sys.executable, __file__, "--child", f"{seeds[0]}:{seeds[-1] + 1}"]
-        child = subprocess.Popen(
-            arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        )
-        lines: queue.Queue[str | None] = queue.Queue()
-        said: collections.deque[str] = collections.deque(maxlen=500)
-        readers = [
-            threading.Thread(target=lambda: [lines.put(line) for line in child.stdout]),
-            threading.Thread(target=lambda: said.extend(child.stderr)),
-        ]
-        for reader in readers:
+class Child:
+    """A process that makes calls, and what it says."""
+
+    def __init__(self, first, end):
+        command = [sys.executable, __file__, "--child", f"{first}:{end}"]
+        pipe = subprocess.PIPE
+        self.process = subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True)
+        self.lines = queue.Queue()
+        self.complaints = collections.deque(maxlen=500)
+        self.readers = [threading.Thread(target=self._listen), threading.Thread(target=self._note)]
+        for reader in self.readers:
             reader.start()
+
+    def _listen(self):
+        for line in self.process.stdout:
+            self.lines.put(line.rstrip("\n"))
+        self.lines.put(None)
+
+    def _note(self):
+        self.complaints.extend(self.process.stderr)
+
+    def calls(self, limit):
+        """Yield (seed, name, outcome, seconds); the last one may be a crash or a hang."""
         seed, name, since = None, "", time.monotonic()
-        failure = None
-        while True:
-            try:
-                line = lines.get(timeout=1.0)
-            except queue.Empty:
-                if time.monotonic() - since > limit:
-                    child.kill()
-                    failure = "hang"
-                    break
-                if child.poll() is not None and not readers[0].is_alive() and lines.empty():
-                    break
-                continue
-            word, number, rest = (line.rstrip("\n").split(" ", 2) + ["", ""])[:3]
-            if word == "begin":
+        while (line := self._next(since + limit)) is not None:
+            word, number, rest = line.split(" ", 2)
+            if word == "end":
+                yield int(number), name, rest, time.monotonic() - since
+                seed = None
+            else:
                 seed, name, since = int(number), rest, time.monotonic()
-            elif word == "end":
-                yield seed, name, rest, time.monotonic() - since
-                seeds = [s for s in seeds if s > seed]
-                seed, since = None, time.monotonic()
-        for reader in readers:
+        hangs = self.process.poll() is None and self.readers[0].is_alive()
+        if hangs:
+            self.process.kill()
+        for reader in self.readers:
             reader.join()
-        child.wait()
-        if not seeds and child.returncode == 0:
-            return
-        if seed is None and failure is None:
-            raise SystemExit(f"a child died before it began: {''.join(said)}")
-        if failure is None:
-            failure = f"crash {child.returncode}: " + "".join(list(said)[:LAST_LINES])
-        yield seed, name, failure, time.monotonic() - since
-        seeds = [s for s in seeds if seed is None or s > seed]
+        code = self.process.wait()
+        said = "".join(line[:WIDTH].rstrip() + "\n" for line in list(self.complaints)[:LAST_LINES])
+        if seed is not None:
+            failure = "hang" if hangs else f"crash {code}: {said}"
+            yield seed, name, failure, time.monotonic() - since
+        elif code != 0:
+            raise SystemExit(f"a child failed between two calls: {said}")
+
+    def _next(self, until):
+        try:
+            return self.lines.get(timeout=max(0.1, until - time.monotonic()))
+        except queue.Empty:
+            return None
+
+
+def watched(first, end, limit):
+    """Yield (seed, name, outcome, seconds) of each call, over as many children as it takes."""
+    while first < end:
+        for call in Child(first, end).calls(limit):
+            first = call[0] + 1
+            yield call
 
 
 def main():
@@ -103,9 +114,8 @@ def main():
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     outcomes = collections.Counter()
     defects, slowest = 0, (0.0, None, "")
-    for seed, name, told, seconds in watched(
-        range(options.first, options.first + options.seeds), options.limit
-    ):
+    end = options.first + options.seeds
+    for seed, name, told, seconds in watched(options.first, end, options.limit):
         kind = told.split(":", 1)[0].split(" ", 1)[0]
         outcomes[name, kind] += 1
         slowest = max(slowest, (seconds, seed, name))
@@ -116,9 +126,8 @@ def main():
     print(f"{'function':28}" + "".join(f"{kind:>10}" for kind in kinds))
     for name in sorted({name for name, _ in outcomes}):
         print(f"{name:28}" + "".join(f"{outcomes[name, kind]:10}" for kind in kinds))
-    print(
-        f"{sum(outcomes.values())} calls, {defects} defects; the slowest took {slowest[0]:.1f} s: seed {slowest[1]}, {slowest[2]}"
-    )
+    print(f"{sum(outcomes.values())} calls, {defects} defects; ", end="")
+    print(f"the slowest took {slowest[0]:.1f} s: seed {slowest[1]}, {slowest[2]}")
     return 1 if defects else 0
 
 

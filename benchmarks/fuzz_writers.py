@@ -54,7 +54,8 @@ def good_files(seed: int) -> Iterator[Good]:
     for shape, (points, faces) in _shapes(generator).items():
         for good in (
             *_ply(points, faces, generator), *_obj(points, faces, generator),
-            *_off(points, faces), *_stl(points, faces), *_texts(points, faces), *_gltf(points, faces),
+            *_off(points, faces), *_stl(points, faces), *_texts(points, faces),
+            *_gltf(points, faces),
         ):  # fmt: skip
             yield Good(f"{shape}-{good.name}", *_rest(good))
     yield from _by_meshlab(generator)
@@ -172,7 +173,8 @@ def _texts(points, faces) -> Iterator[Good]:
     rows = _rows(points)
     for extension in ("xyz", "pts", "asc", "apts"):
         body = "".join(row + "\n" for row in rows)
-        yield Good(f"three.{extension}", body.encode(), len(rows), 0, points)
+        exact = 1e-6 if extension == "asc" else 0.0  # MeshLab reads that one in single precision
+        yield Good(f"three.{extension}", body.encode(), len(rows), 0, points, exact)
     six = "".join(row + " 0 0 1\n" for row in rows)
     yield Good("six.xyz", six.encode(), len(rows), 0, points)
     crlf = "# by hand\r\n" + "".join(row.replace(" ", "\t") + "\r\n" for row in rows)

@@ -23,6 +23,8 @@ __all__ = [
     "as_scalars",
 ]
 
+LARGEST_NORMAL = 1e60  # only directions count: squares and cubes of lengths stay within floats
+
 Floats: TypeAlias = NDArray[np.float64]
 Indices: TypeAlias = NDArray[np.int64]
 Booleans: TypeAlias = NDArray[np.bool_]
@@ -98,11 +100,18 @@ def as_normals(values: ArrayLike, count: int) -> Points:
     Raises
     ------
     GeometryError
-        Wrong shape or count, or a component that is not finite.
+        Wrong shape or count, or a component that is not finite or beyond `LARGEST_NORMAL`.
     """
     normals = _as_rows(values, 3, "normals")
     if len(normals) != count:
         message = f"{count} normals are needed, one a point; got {len(normals)}; estimate them anew"
+        raise GeometryError(message)
+    largest = float(np.abs(normals).max(initial=0.0))
+    if largest > LARGEST_NORMAL:
+        message = (
+            f"normals must be no longer than {LARGEST_NORMAL:g}; got {largest:.3g}; "
+            "scale them to unit length"
+        )
         raise GeometryError(message)
     return normals
 

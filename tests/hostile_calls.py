@@ -1,6 +1,7 @@
 """Calls of the kernel that nobody in his right mind would make, numbered by a seed.
 
-A call may give a result or refuse; `outcome` says what happened, and raises nothing but what is a defect.
+A call may give a result or refuse; `outcome` says what happened, and raises nothing but what is a
+defect.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from meshlab_symrecon.symmetry import (
 )
 
 MOST_POINTS = 200
+CLASSES = ("MinimumCut", "NearestField")
 # What the bindings may raise on arrays that do not fit; the package's own border, its own family.
 REFUSALS = (ValueError, TypeError)
 
@@ -121,27 +123,28 @@ def cloud(rng):
     return _dressed(rng, points)
 
 
+def _read_only(array):
+    array = array.copy()
+    array.setflags(write=False)
+    return array
+
+
+DRESSES = (
+    np.asfortranarray,
+    lambda array: np.repeat(array, 2, axis=0)[::2],
+    lambda array: array[::-1],
+    _read_only,
+    lambda array: array.astype(np.float32),
+    lambda array: array.astype(np.float16),
+    lambda array: array.astype(np.longdouble),
+    lambda array: array.astype(object),
+    lambda array: array.tolist(),
+)
+
+
 def _dressed(rng, array):
     """Return the same numbers in another layout, or not quite."""
-    dress = rng.random()
-    if dress < 0.1:
-        return np.asfortranarray(array)
-    if dress < 0.15:
-        return np.repeat(array, 2, axis=0)[::2]
-    if dress < 0.2:
-        return array[::-1]
-    if dress < 0.25:
-        array = array.copy()
-        array.setflags(write=False)
-        return array
-    if dress < 0.3:
-        with np.errstate(over="ignore"):
-            return array.astype(rng.choice([np.float32, np.float16, np.longdouble]))
-    if dress < 0.33:
-        return array.tolist()
-    if dress < 0.36:
-        return array.astype(object)
-    return array
+    return _some(rng, *DRESSES)(array) if rng.random() < 0.35 else array
 
 
 def _progress(rng, *arrays):
@@ -192,7 +195,7 @@ def public_call(rng):
     points = cloud(rng)
     progress = _progress(rng, points)
     beside = _beside(rng, points)
-    recipe = dict(
+    recipe = Recipe(
         surface=_some(rng, "power crust", "interpolating"),
         labelling=_some(rng, "min cut", "propagation"),
         smallest_ball=_some(rng, None, 0.0, 1.0, 1e9),
@@ -208,7 +211,7 @@ def public_call(rng):
     count = _some(rng, None, 1, 5, 40, 10**9, 0, -1)
     weights = rng.normal(size=len(points)) * float(_some(rng, 1.0, 0.0, 1e300, 1e-300))
     calls = {
-        "reconstruct": lambda: reconstruct(points, Recipe(**recipe), progress=progress),
+        "reconstruct": lambda: reconstruct(points, recipe, progress=progress),
         "delaunay": lambda: circumcentres(delaunay(points, progress=progress)),
         "regular_triangulation": lambda: regular_triangulation(points, weights, progress=progress),
         "detect_reflection_planes": lambda: detect_reflection_planes(
@@ -258,7 +261,7 @@ def _recording(recorded):
 
     try:
         for name in kept:
-            if not inspect.isclass(kept[name]) or name == "MinimumCut":
+            if not inspect.isclass(kept[name]) or name in CLASSES:
                 setattr(_native, name, spy(name))
         yield
     finally:
@@ -286,6 +289,10 @@ def recorded_calls():
         AffinityPropagation(n_neighbors=None).fit(body[:50])
     four, five = body[:4].copy(), body[:5].copy()
     recorded.keep("orientation", ((four,), {}))
+    ball = delaunay(body)
+    recorded.keep("orthocentres", ((body, np.zeros(len(body)), ball.cells), {}))
+    reach, order = np.full(len(body), 0.1), np.arange(len(body), dtype=np.int32)
+    recorded.keep("nearest_kept", ((body, reach, order, 0.1), {}))
     recorded.keep("power_test", ((five, np.arange(5.0)), {}))
     recorded.keep("perturbed_power_test", ((five, np.arange(5.0)), {}))
     recorded.keep("fine_power_determinant", ((five, np.arange(5.0), True), {}))
@@ -302,49 +309,42 @@ def _without_callback(argument):
     return None if callable(argument) and not isinstance(argument, np.ndarray) else argument
 
 
+MISFITS = (
+    lambda rng, array: array[:-1],
+    lambda rng, array: array[:0],
+    lambda rng, array: np.concatenate([array, array[-1:]]),
+    lambda rng, array: array.astype(rng.choice(["f8", "i8", "i1", "f4", "u4", "c16", "O"])),
+    lambda rng, array: _some(rng, array.ravel(), array[..., None], np.asfortranarray(array)),
+    lambda rng, array: array.T,
+    lambda rng, array: rng.permuted(array, axis=0),
+    lambda rng, array: rng.permutation(array),
+    lambda rng, array: _some(rng, None, 0, "points", [], [[1, 2], [3]], np.array(1.0)),
+)
+
+
 def _spoilt_array(rng, array):
     """Return an array with something wrong with it, or another one in its place."""
-    kind = int(rng.integers(14))
-    spoilt = array.copy()
-    if kind == 0:
-        return array[:-1]
-    if kind == 1:
-        return array[:0]
-    if kind == 2:
-        return np.concatenate([array, array[-1:]])
-    if kind == 3:
-        return _some(
-            rng,
-            array.astype(np.float64),
-            array.astype(np.int64),
-            array.astype(np.int8),
-            array.astype(object),
-        )
-    if kind == 4:
-        return _some(rng, array.ravel(), array[..., None], np.asfortranarray(array), array.T)
-    if kind == 5:
-        return rng.permuted(spoilt, axis=0)
-    if kind == 6:
-        return rng.permutation(spoilt)
-    if kind == 7:
-        return _some(rng, None, 0, "points", [], [[1, 2], [3]], np.array(1.0))
-    if not spoilt.size:
-        return spoilt
-    places = rng.integers(0, spoilt.size, int(rng.integers(1, 4)))
-    flat = spoilt.reshape(-1)
-    if np.issubdtype(spoilt.dtype, np.floating):
-        flat[places] = rng.choice([*POISONS, -1.0, 0.0, 1.0]).astype(spoilt.dtype)
-        if kind > 11:
-            spoilt[:] = flat[places[0]]
-    elif kind < 11:
-        limits = np.iinfo(spoilt.dtype)
-        chosen = [limits.min, limits.max, len(array), max(len(array) - 1, 0), 0, 1, 2, 255]
-        flat[places] = np.clip(rng.choice(chosen), limits.min, limits.max)
-        if limits.min < 0 and rng.random() < 0.3:
-            flat[places] = -1
+    if array.ndim == 0 or array.dtype.kind not in "iuf":
+        return array
+    if rng.random() < 0.6:
+        return _some(rng, *MISFITS)(rng, array)
+    return _with_wrong_numbers(rng, array.copy()) if array.size else array
+
+
+def _with_wrong_numbers(rng, array):
+    flat = array.reshape(-1)
+    places = rng.integers(0, flat.size, int(rng.integers(1, 4)))
+    if array.dtype.kind == "f":
+        flat[places] = rng.choice([*POISONS, -1.0, 0.0, 1.0]).astype(array.dtype)
+        if rng.random() < 0.3:
+            flat[:] = flat[places[0]]
+    elif rng.random() < 0.5:
+        limits = np.iinfo(array.dtype)
+        wrong = [-1, -1, limits.min, limits.max, len(array), len(array) - 1, 0, 1, 2, 255]
+        flat[places] = np.clip(rng.choice(wrong), limits.min, limits.max)
     else:
         flat[places] = rng.choice(flat, len(places))  # in range, yet not what belongs there
-    return spoilt
+    return array
 
 
 def _spoilt(rng, argument):
@@ -360,9 +360,12 @@ def _spoilt(rng, argument):
 
 
 def _made_small(name, argument, value):
-    """Keep a wanted number of iterations within what can be waited for."""
-    is_number = isinstance(value, int) and not isinstance(value, bool)
-    return min(value, 60) if name.startswith("propagate_") and is_number and argument > 1 else value
+    """Keep iterations within what can be waited for, and tables within memory."""
+    if not isinstance(value, int) or isinstance(value, bool):
+        return value
+    if name.startswith("propagate_") and argument > 1:
+        return min(value, 60)
+    return min(value, 10**6) if name in ("surface_topology", "pole_graph") else value
 
 
 def native_call(rng, recorded):
@@ -384,6 +387,8 @@ def native_call(rng, recorded):
         args = args[: len(args) - (args[-1:] == [None])]
     if name == "MinimumCut":
         return Call(name, lambda: _cut_twice(rng, args, kwargs), REFUSALS)
+    if name == "NearestField":
+        return Call(name, lambda: _looked_up(rng, args, kwargs), REFUSALS)
     return Call(name, lambda: function(*args, **kwargs), REFUSALS)
 
 
@@ -396,7 +401,16 @@ def _cut_twice(rng, args, kwargs):
         cut.inner_side(_spoilt(rng, ties) if rng.random() < 0.5 else ties, _progress(rng))
 
 
+def _looked_up(rng, args, kwargs):
+    nearest = _native.NearestField(*args, **kwargs)
+    places = rng.normal(size=(20, 3))
+    places[:8, 0] = POISONS
+    for found in (nearest.lookup(places), nearest.closest(places), nearest.closest(places, 0.1)):
+        assert ((found >= 0) & (found < len(args[0]))).all()
+
+
 def call_of(seed, recorded):
     """Return the call of a number."""
     rng = np.random.default_rng(seed)
-    return native_call(rng, recorded) if seed % 2 else public_call(rng)
+    with np.errstate(all="ignore"):
+        return native_call(rng, recorded) if seed % 2 else public_call(rng)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -13,8 +14,9 @@ from pathlib import Path
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from meshlab_symrecon.host.files import new_document
-from meshlab_symrecon.host.records import Input, read_record
+from meshlab_symrecon.host.files import load, new_document, save_current
+from meshlab_symrecon.host.records import Input, read_record, record_of
+from meshlab_symrecon.host.registration import apply_filter
 from meshlab_symrecon.host.steps import run_filter
 from meshlab_symrecon.one_thread import in_one_thread, one_thread
 from meshlab_symrecon.plugin import Filter, Layer, Outcome, ParameterSet
@@ -167,3 +169,16 @@ def test_every_filter_runs_in_one_thread():
     )  # fmt: skip
     run_filter(new_document(), item, {})
     assert seen == [{1}]
+
+
+def test_the_python_of_the_page_gives_the_same_bytes(tmp_path, monkeypatch):
+    page = (ROOT / "docs/reproducible.md").read_text(encoding="utf-8")
+    code = re.search(r"```python\n(.*?)```", page, re.DOTALL)
+    assert code is not None
+    monkeypatch.chdir(tmp_path)
+    Path("scan.ply").write_bytes(SCAN.read_bytes())
+    document = load("scan.ply")
+    apply_filter(document, "simplify_points", count=100, detail=0.1)
+    save_current(document, "statue.ply", record_of(document, [Path("scan.ply")], {"paint": True}))
+    exec(code[1], {})
+    assert Path("again.ply").read_bytes() == Path("statue.ply").read_bytes()

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from meshlab_symrecon.cli.long_work import LONG_NAMES, LongWork, long_options, working
+from meshlab_symrecon.cli.long_work import LONG_NAMES, LongWork, long_options, max_points, working
 from meshlab_symrecon.cli.threads import asked_threads, limited_threads
 from meshlab_symrecon.errors import ParameterError
 
@@ -82,6 +82,7 @@ def _command_of(item: Any, written: str) -> click.Command:
         click.Argument(["inputs"], nargs=-1, required=inputs_needed, type=path, metavar="IN..."),
         click.Option(["-o", "--output"], type=path, metavar="OUT", help="File of the result."),
         click.Option(["--json"], type=path, metavar="R.json", help="File of the measures."),
+        *([max_points()] if inputs_needed else ()),
         *long_options(),
         *(_options_of_ours(item) if ours else _options_of_native(item)),
     ]
@@ -92,7 +93,7 @@ def _command_of(item: Any, written: str) -> click.Command:
         asked = {name: values.pop(name) for name in LONG_NAMES}
         given = {name: value for name, value in values.items() if value is not None}
         with working(asked) as work:
-            _run(item, Files(inputs, output, json), given, work)
+            _run(item, Files(inputs, output, json, given.pop("max_points", None)), given, work)
 
     summary = item.summary if ours else f"MeshLab's own '{item.menu_name}'."
     return click.Command(
@@ -144,19 +145,28 @@ class Files:
     inputs: tuple[Path, ...]
     output: Path | None
     report: Path | None
+    most: int | None  # points to which the current layer is thinned out
 
 
 def _run(item: Any, files: Files, values: Mapping[str, Any], work: LongWork) -> None:
     from meshlab_symrecon.cli import reports
+    from meshlab_symrecon.host.atomic import together
     from meshlab_symrecon.host.files import load, new_document, save_current
+    from meshlab_symrecon.host.records import record_of
     from meshlab_symrecon.host.registration import apply_filter
+    from meshlab_symrecon.host.size import check_memory
+    from meshlab_symrecon.host.thinning import thin_current
 
     _check_files(files)
+    check_memory(files.inputs, most=files.most, steps=(item.python_name,), work="this filter")
     mesh_set = new_document()
-    with work.progress(item.menu_name) as progress:
+    with together(), work.progress(item.menu_name) as progress:
         for path in files.inputs:
             progress(0.0, f"reading {path}")
             load(path, mesh_set)
+        if files.most is not None and mesh_set.current_mesh().vertex_number() > files.most:
+            progress(0.0, "thinning out")
+            thin_current(mesh_set, files.most)
         before = {int(mesh.id()) for mesh in mesh_set}
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
@@ -165,20 +175,29 @@ def _run(item: Any, files: Files, values: Mapping[str, Any], work: LongWork) -> 
         if files.output is not None and made is not None:
             progress(1.0, f"writing {files.output}")
             mesh_set.set_current_mesh(made)
-            save_current(mesh_set, files.output)
-    if files.report is not None:
-        detected = reports.is_detection(measures)
-        reports.write_json(files.report, reports.detection(measures) if detected else measures)
+            record = record_of(mesh_set, files.inputs, _settings(files))
+            save_current(mesh_set, files.output, record)
+        if files.report is not None:
+            detected = reports.is_detection(measures)
+            reports.write_json(files.report, reports.detection(measures) if detected else measures)
     for line in reports.measures_in_words(measures):
         work.say(line)
     for sentence in _sentences(item, caught, None if made is not None else files.output):
         work.warn(sentence)
 
 
+def _settings(files: Files) -> dict[str, int]:
+    """Return what the result depends on besides the filter's parameters."""
+    return {} if files.most is None else {"max_points": files.most}
+
+
 def _check_files(files: Files) -> None:
     """Refuse every bad output path before the work starts."""
     from meshlab_symrecon.host.files import check_output
+    from meshlab_symrecon.host.thinning import check_most
 
+    if files.most is not None:
+        check_most(files.most)
     outputs = [] if files.output is None else [files.output]
     if not outputs and files.report is None:
         raise click.UsageError("give -o OUT, or --json R.json, or both")

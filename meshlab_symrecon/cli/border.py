@@ -39,8 +39,15 @@ class BorderGroup(click.Group):
 
         exit_with(call)
 
+    def make_context(self, *arguments: Any, **named: Any) -> click.Context:
+        """Parse the words; click itself would answer an interruption with an empty line."""
+        try:
+            return super().make_context(*arguments, **named)
+        except KeyboardInterrupt as error:
+            raise click.Abort from error
+
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command; click itself would answer an interruption with an empty line."""
+        """Run the command, with the same care."""
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt as error:

@@ -23,7 +23,15 @@ from meshlab_symrecon.cli.progress import progress_bar
 from meshlab_symrecon.cli.threads import limited_threads
 from meshlab_symrecon.cli.work_log import WorkLog
 
-__all__ = ["LONG_NAMES", "LongWork", "long_options", "long_work", "working"]
+__all__ = [
+    "LONG_NAMES",
+    "LongWork",
+    "long_options",
+    "long_work",
+    "max_points",
+    "max_points_option",
+    "working",
+]
 
 LONG_NAMES = ("quiet", "log", "threads")
 Progress = Callable[[float, str], None]
@@ -93,6 +101,23 @@ def long_work(function: Callable[..., Any]) -> Callable[..., Any]:
     waiting = list(getattr(command, "__click_params__", []))
     command.__click_params__ = [*reversed(long_options()), *waiting]  # type: ignore[attr-defined]
     return command
+
+
+def max_points() -> click.Option:
+    """Return the option that bounds the size of the work."""
+    return click.Option(
+        ["--max-points"],
+        type=click.IntRange(min=1),
+        metavar="N",
+        help="Thin a scan with more points out evenly to these first.",
+    )
+
+
+def max_points_option(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the option ``--max-points``."""
+    waiting = [*getattr(function, "__click_params__", []), max_points()]
+    function.__click_params__ = waiting  # type: ignore[attr-defined]
+    return function
 
 
 @contextmanager

@@ -20,6 +20,8 @@ from meshlab_symrecon.cli.upgrade import upgrade
 
 __all__ = ["main"]
 
+BATCH_GRACE = 8.0  # seconds to end its processes after Ctrl-C
+
 
 @click.group("symrecon", cls=BorderGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="symrecon", message="%(prog)s %(version)s")
@@ -33,7 +35,11 @@ def main(context: click.Context, /, threads: int | None, **of_commands: Any) -> 
     Exit codes: 0 done, 1 an error (one sentence on stderr), 2 wrong usage, 130 interrupted (143 by
     SIGTERM, 129 by SIGHUP).
     """
+    from meshlab_symrecon.host.interruption import unhurried
+
     context.with_resource(limited_threads(threads))
+    if context.invoked_subcommand == batch.name:
+        context.with_resource(unhurried(BATCH_GRACE))
 
 
 main.params += long_options()

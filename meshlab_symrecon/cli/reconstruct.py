@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from meshlab_symrecon import __version__
-from meshlab_symrecon.cli.long_work import LongWork, long_work
+from meshlab_symrecon.cli.long_work import LongWork, long_work, max_points_option
 from meshlab_symrecon.errors import SymReconError
 
 if TYPE_CHECKING:
@@ -80,6 +79,7 @@ class Outputs:
     "--seed", "randomseed", type=click.IntRange(0, SEED_LIMIT), default=0, show_default=True,
     help="Seed of what is random; equal seeds give equal results.",
 )  # fmt: skip
+@max_points_option
 @click.option(
     "--paint", is_flag=True,
     help="Colour the completed points and the surface by what was measured and what was invented.",
@@ -101,21 +101,30 @@ def reconstruct(
     Says what it found. When SCAN has no mirror plane, a warning says so and the surface closes
     what was measured.
     """
+    from meshlab_symrecon.host.atomic import together
     from meshlab_symrecon.host.reconstruction import whole_method
+    from meshlab_symrecon.host.thinning import check_most
 
     started = time.perf_counter()
     outputs = Outputs(output, project, json_path, preview, report)
     _check_outputs(scan, outputs)
-    with work.progress("reconstructing") as progress:
+    most = settings.pop("max_points")
+    if most is not None:
+        check_most(most)
+    with together(), work.progress("reconstructing") as progress:
         result = whole_method(
-            scan, settings, lambda fraction, message: progress(METHOD_DONE * fraction, message)
+            scan,
+            settings,
+            lambda fraction, message: progress(METHOD_DONE * fraction, message),
+            most=most,
         )
+        settings |= {} if most is None else {"max_points": most}
         _write(scan, outputs, result, settings, progress)
-    seconds = time.perf_counter() - started
-    if json_path is not None:
-        from meshlab_symrecon.cli.reports import write_json
+        seconds = time.perf_counter() - started
+        if json_path is not None:
+            from meshlab_symrecon.cli.reports import write_json
 
-        write_json(json_path, as_data(scan, outputs, result, settings, seconds))
+            write_json(json_path, as_data(scan, outputs, result, settings, seconds))
     for line in in_words(scan, result):
         work.say(line)
     work.say(f"written         {output} in {seconds:.1f} s")
@@ -162,17 +171,20 @@ def _write(
 ) -> None:
     """Write all that was asked for but the JSON, which tells how long it took."""
     from meshlab_symrecon.host.files import save_current
+    from meshlab_symrecon.host.records import record_of
 
     progress(METHOD_DONE, f"writing {outputs.surface}")
-    save_current(result.mesh_set, outputs.surface)
+    # The others are parameters of the steps, which the record has anyway.
+    own = {name: settings[name] for name in ("max_points",) if name in settings}
+    record = record_of(result.mesh_set, [scan], own)
+    save_current(result.mesh_set, outputs.surface, record)
     if outputs.project is not None:
         from meshlab_symrecon.host.projects import save_project
 
         progress(SURFACE_WRITTEN, f"writing {outputs.project}")
         labels = {identifier: label for label, identifier in result.layers.items()}
-        save_project(
-            result.mesh_set, outputs.project, inputs=[scan, outputs.surface], labels=labels
-        )
+        inputs = [scan, outputs.surface]
+        save_project(result.mesh_set, outputs.project, inputs, labels, record)
     if outputs.preview is not None:
         from meshlab_symrecon.host.atomic import replacing
 
@@ -196,6 +208,7 @@ def command_line(scan: Path, outputs: Outputs, settings: Mapping[str, Any]) -> s
         "--preview": outputs.preview,
         "--report": outputs.report,
         "--seed": settings["randomseed"],
+        "--max-points": settings.get("max_points"),
     }
     given = [(name, str(value)) for name, value in options.items() if value is not None]
     flags = ["--paint"] if settings["paint"] else []
@@ -218,7 +231,8 @@ def in_words(scan: Path, result: Reconstruction) -> list[str]:
     from meshlab_symrecon.cli.reports import detection
     from meshlab_symrecon.cli.unfilled import holes, left_alone, place, width
 
-    lines = [f"scan            {scan} with {result.points} points"]
+    thinned = "" if result.measured in (0, result.points) else f", thinned out of {result.measured}"
+    lines = [f"scan            {scan} with {result.points} points{thinned}"]
     planes = detection(result.found)["planes"]
     for plane in planes:
         numbers = " ".join(f"{number:.6g}" for number in plane["plane"])
@@ -252,10 +266,9 @@ def as_data(
     seconds: float,
 ) -> dict[str, Any]:
     """Return everything that was found and measured; the planes as in every other report."""
-    from importlib.metadata import version
-
     from meshlab_symrecon.cli.reports import detection
     from meshlab_symrecon.host.reconstruction import parameters_as_run
+    from meshlab_symrecon.host.records import versions
 
     completed = dict(result.completed)
     return {
@@ -269,5 +282,5 @@ def as_data(
         "output": str(outputs.surface),
         "project": None if outputs.project is None else str(outputs.project),
         "parameters": parameters_as_run(settings),
-        "versions": {"meshlab_symrecon": __version__, "pymeshlab": version("pymeshlab")},
+        "versions": versions(),
     }

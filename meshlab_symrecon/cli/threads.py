@@ -34,7 +34,7 @@ def limited_threads(count: int | None) -> Iterator[None]:
     os.environ.update(dict.fromkeys(VARIABLES, str(count)))
     with ExitStack() as stack:
         if "numpy" in sys.modules:
-            from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
+            from threadpoolctl import threadpool_limits
 
             stack.enter_context(threadpool_limits(count))
         try:

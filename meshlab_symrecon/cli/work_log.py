@@ -10,8 +10,8 @@ import time
 import warnings
 from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
+from io import FileIO
 from pathlib import Path
-from typing import TextIO
 
 from meshlab_symrecon import __version__
 from meshlab_symrecon.errors import FileError
@@ -22,6 +22,7 @@ DATED = re.compile(rb"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d ")
 FORMAT = "%Y-%m-%d %H:%M:%S"
 SHOWN_VERSIONS = ("pymeshlab", "numpy", "scipy")
 MEGABYTE = 1 << 20
+SHORTEST = 0.005  # seconds of a stage that is worth a line
 
 
 class WorkLog:
@@ -70,8 +71,8 @@ class WorkLog:
         """Append a line, and see that it is in the file."""
         line = " ".join(sentence.splitlines())
         try:
-            self._file.write(f"{time.strftime(FORMAT)} {line}\n")
-            self._file.flush()
+            text = f"{time.strftime(FORMAT)} {line}\n"
+            self._file.write(text.encode("utf-8", "backslashreplace"))
         except (OSError, ValueError) as error:  # the work is worth more than its log
             self.say = _nothing  # type: ignore[method-assign]
             warnings.warn(f"{self.path}: the log ends here: {error}", UserWarning, stacklevel=2)
@@ -81,8 +82,9 @@ class WorkLog:
         if name == self._stage:
             return
         now = time.perf_counter()
-        if self._stage:
-            self.say(f"{self._stage}: {now - self._stage_began:.2f} s{peak_memory()}")
+        seconds = now - self._stage_began
+        if self._stage and seconds >= SHORTEST:
+            self.say(f"{self._stage}: {seconds:.2f} s{peak_memory()}")
         self._stage, self._stage_began = name, now
 
     def end(self, how: str) -> None:
@@ -106,11 +108,11 @@ def _may_be_log(path: Path, target: Path) -> bool:
     return not beginning or DATED.match(beginning) is not None
 
 
-def _appended_to(path: Path, target: Path) -> TextIO:
+def _appended_to(path: Path, target: Path) -> FileIO:
     from meshlab_symrecon.host.atomic import reason
 
     try:
-        return target.open("a", encoding="utf-8", errors="backslashreplace")
+        return target.open("ab", buffering=0)
     except OSError as error:
         raise FileError(f"{path} cannot be written: {reason(error)}; give another path") from error
 

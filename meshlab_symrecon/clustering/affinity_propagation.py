@@ -25,6 +25,7 @@ from meshlab_symrecon.clustering.messages import (
 from meshlab_symrecon.clustering.neighbour_graph import Neighbours
 from meshlab_symrecon.clustering.similarities import all_similarities, similarity_quantile
 from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.geometry.bounds import require_extent
 from meshlab_symrecon.one_thread import in_one_thread
 
 __all__ = ["AffinityPropagation"]
@@ -125,9 +126,13 @@ class AffinityPropagation(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         ------
         ParameterError
             A parameter out of range, or too many rows for the dense form.
+        GeometryError
+            Rows whose distances floats cannot square.
         """
-        rows: Floats = validate_data(self, X, dtype=np.float64)
+        with np.errstate(invalid="ignore"):  # of a sum by which scikit-learn looks for NaN
+            rows: Floats = validate_data(self, X, dtype=np.float64)
         self._check_parameters(len(rows))
+        require_extent(rows, "affinity propagation")
         preferences = self._preferences(rows)
         found = self._propagate(rows, preferences)
         if not found.converged:

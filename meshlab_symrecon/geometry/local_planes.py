@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Floats, Points
+from meshlab_symrecon.geometry.places import nearby_order
 
 __all__ = ["LocalPlanes", "local_planes"]
 
@@ -39,9 +39,9 @@ def local_planes(points: Points) -> LocalPlanes:
     Parameters
     ----------
     points : (n, 3) float
-        The cloud, of at least three points, no two of them in one place.
+        The cloud, of at least three points, no two of them in one place but for rounding.
     """
-    order = _native.curve_order(np.ascontiguousarray(points))  # neighbours in memory, too
+    order = nearby_order(points)  # neighbours in memory, too
     cloud = points[order]
     tree = cKDTree(cloud)
     count = min(_neighbours(cloud, tree), len(cloud))

@@ -10,6 +10,8 @@ import tempfile
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import dataclass
 from pathlib import Path
 
 from meshlab_symrecon.errors import FileError
@@ -25,6 +27,7 @@ __all__ = [
     "replacing",
     "same_file",
     "staging_prefix",
+    "together",
 ]
 
 STAGING_PREFIX = ".symrecon-"
@@ -90,7 +93,12 @@ def replacing(path: Path) -> Iterator[Path]:
         guard_folder(target.parent, prefix)
         staging = Path(tempfile.mkdtemp(prefix=prefix, dir=target.parent))
         yield staging / path.name
-        _put_in_place(staging, path.name, target)
+        group = _group.get()
+        if group is None:
+            _put_in_place(staging, path.name, target)
+        else:
+            group.append(_Written(staging, path.name, target))
+            staging = None  # it is the group's now
     except FileError:
         raise
     except OSError as error:
@@ -99,6 +107,60 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
+
+
+@contextmanager
+def together() -> Iterator[None]:
+    """Let the files that are replaced in this block take their places at its end, all at once.
+
+    An interruption changes none of them, unless it comes in the last instant, when it waits until
+    all are there. After an error those that were whole by then take their places.
+
+    Raises
+    ------
+    FileError
+        The system refused to write.
+    """
+    group: list[_Written] = []
+    token = _group.set(group)
+    try:
+        try:
+            yield
+        except Exception:
+            _put_all_in_place(group)
+            raise
+        _put_all_in_place(group)
+    finally:
+        _group.reset(token)
+        for written in group:
+            shutil.rmtree(written.staging, ignore_errors=True)
+
+
+@dataclass(frozen=True, slots=True)
+class _Written:
+    """A file that waits for the others."""
+
+    staging: Path
+    name: str
+    target: Path
+
+
+_group: ContextVar[list[_Written] | None] = ContextVar("_group", default=None)
+
+
+def _put_all_in_place(group: list[_Written]) -> None:
+    for written in group:  # may take seconds, and an interruption need not wait for that
+        for file in written.staging.rglob("*"):
+            if file.is_file():
+                _flush(file)
+    try:
+        with unbroken():
+            for written in group:
+                _put_in_place(written.staging, written.name, written.target)
+    except FileError:
+        raise
+    except OSError as error:
+        raise FileError(f"{written.target} cannot be written: {reason(error)}") from error
 
 
 def staging_prefix(process: int) -> str:

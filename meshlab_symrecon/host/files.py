@@ -84,6 +84,7 @@ def load(path: str | Path, mesh_set: Any = None) -> Any:
     held = _checked_before(path)
     mesh_set = new_document() if mesh_set is None else mesh_set
     before = {mesh.id() for mesh in mesh_set}
+    current = current_identifier(mesh_set)
     readable = path
     try:
         with translated(f"{path} cannot be read"), process_kept(), _readable(path) as readable:
@@ -92,7 +93,11 @@ def load(path: str | Path, mesh_set: Any = None) -> Any:
         message = str(error).replace(str(readable), str(path))
         raise FileError(f"{message}; write or download it again") from error
     new = [int(mesh.id()) for mesh in mesh_set if mesh.id() not in before]
-    _compare(mesh_set, new, path, held)
+    try:
+        _compare(mesh_set, new, path, held)
+    except FileError:
+        _remove(mesh_set, new, current)
+        raise
     try:
         for identifier in new:
             after_loading(mesh_set, identifier, path)
@@ -123,6 +128,15 @@ def _compare(mesh_set: Any, new: list[int], path: Path, held: Held) -> None:
     if held.triangles is not None and faces < held.triangles and not held.lost_faces:
         words = f"MeshLab made {faces} triangles of faces that can be cut into {held.triangles}"
         warn_user(f"{path}: {words}; corners that come twice and bent polygons are left out")
+
+
+def _remove(mesh_set: Any, identifiers: list[int], current: int) -> None:
+    """Remove layers that cannot be used, and make the one current that was."""
+    for identifier in identifiers:
+        mesh_set.set_current_mesh(identifier)
+        mesh_set.delete_current_mesh()
+    if current >= 0:
+        mesh_set.set_current_mesh(current)
 
 
 def _readable(path: Path) -> AbstractContextManager[Path]:

@@ -59,6 +59,8 @@ def unusable(path: Path, points: Any, first: int = 0) -> Any:
     """
     numbers = points if points.dtype.kind == "f" else points.astype(np.float64)
     most = min(LARGEST, float(np.finfo(numbers.dtype).max))
+    if len(numbers) and -most <= numbers.min() and numbers.max() <= most:  # false for NaN
+        return np.zeros(len(numbers), dtype=np.bool_)
     with np.errstate(invalid="ignore"):
         sizes = np.abs(numbers)
         large = sizes > most

@@ -11,6 +11,7 @@ from typing import BinaryIO
 
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.held import LARGEST, Held
+from meshlab_symrecon.host.inspection_obj_plain import plain_obj
 from meshlab_symrecon.host.inspection_points import cut_off
 from meshlab_symrecon.host.number_lines import check_plain_text, shown
 from meshlab_symrecon.host.ply_header import damaged
@@ -50,14 +51,19 @@ def check_obj(path: Path) -> Held:
         comment behind it, fewer than three corners or too many; a vertex has a word or too few
         numbers; a coordinate is infinite; it names a device as its library of materials.
     """
-    reading = _Reading(path)
     check_plain_text(path)
     with path.open("rb") as file:
         beginning = file.read(len(MARK) + 2)
         if beginning.startswith(MARK) and beginning[len(MARK) :][:1] not in (b"#", b"\r", b"\n"):
             message = f"{path} begins with a byte order mark, with which MeshLab loses line 1"
             raise FileError(f"{message}; save it as UTF-8 without one")
-        file.seek(0)
+    plain = plain_obj(path)
+    return _checked_by_lines(path) if plain is None else plain
+
+
+def _checked_by_lines(path: Path) -> Held:
+    reading = _Reading(path)
+    with path.open("rb") as file:
         for number, line in _whole_lines(path, file):
             _take(reading, number, line)
     if reading.counts[b"v"] == len(reading.lost):

@@ -19,6 +19,7 @@ HEADER, TRIANGLE = 84, 50  # bytes
 BEGINNING = 1024  # bytes
 FACETS = 1 << 16  # at a time
 CHUNK = 1 << 22  # bytes
+LONGEST = 1 << 26  # bytes of a line
 RECORD = np.dtype([("numbers", "<f4", (4, 3)), ("attribute", "<u2")])
 LEAST_LINES = 6  # of a facet, for MeshLab's reader: it looks for keywords where lines begin
 MARK = b"\xef\xbb\xbf"
@@ -110,7 +111,7 @@ def _check_text(path: Path) -> Held:
     ended = False
     with path.open("rb") as file:
         while chunk := file.read(CHUNK):
-            chunk += file.readline(CHUNK)  # to the end of a line
+            chunk += file.readline(LONGEST)  # to the end of a line
             lines += chunk.count(b"\n")
             text = chunk.lower().replace(MARK, b"")
             names = NAME.findall(text)

@@ -34,6 +34,7 @@ __all__ = [
     "interruption_settled",
     "signal_of_interruption",
     "unbroken",
+    "unhurried",
 ]
 
 SENTENCE = "interrupted; nothing was left half-written"
@@ -84,6 +85,20 @@ def interruptible() -> Iterator[None]:
         _watch_signals(stack)
         stack.enter_context(_own_temporary_folder())
         yield
+
+
+@contextmanager
+def unhurried(seconds: float) -> Iterator[None]:
+    """Let tidying up take longer in this block: many child processes take their time to end."""
+    if not _state.watching:
+        yield
+        return
+    _native.watch_signals(seconds, SENTENCE)
+    try:
+        yield
+    finally:
+        if not _state.number:
+            _native.watch_signals(GRACE, SENTENCE)
 
 
 def _watch_signals(stack: ExitStack) -> None:

@@ -35,6 +35,7 @@ __all__ = [
 
 HEADER = "<!DOCTYPE FilterScript>\n"
 ROOT = "FilterScript"
+LARGEST = 1 << 26  # bytes of a script
 STEPS = ("filter", "xmlfilter")
 PARAMETERS = ("param", "xmlparam")
 TEXTS = ("RichString", "RichOpenFile", "RichSaveFile")
@@ -198,10 +199,13 @@ def read_script(path: str | Path) -> Script:
     """
     path = Path(path)
     try:
-        content = path.read_bytes()
+        with path.open("rb") as file:  # perhaps a pipe, or a device without an end
+            content = file.read(LARGEST + 1)
     except (OSError, ValueError) as error:
         words = reason(error) if isinstance(error, OSError) else str(error)
         raise FileError(f"script {path} cannot be read: {words}; check its path") from error
+    if len(content) > LARGEST:
+        raise ScriptError(f"{path}:1: a filter script has at most {LARGEST >> 20} MB; got more")
     content, skipped = _without_leading_blanks(content)
     collector = _Collector(path, skipped)
     parser = DefusedXMLParser(target=collector)

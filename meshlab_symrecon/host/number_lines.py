@@ -15,7 +15,15 @@ from meshlab_symrecon.arrays import Floats, Indices
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.ply_header import damaged
 
-__all__ = ["Block", "blocks_of", "check_plain_text", "numbers_in", "shown"]
+__all__ = [
+    "Block",
+    "block_of",
+    "blocks_of",
+    "check_plain_text",
+    "numbers_in",
+    "shown",
+    "whole_lines",
+]
 
 CHUNK = 1 << 22  # bytes
 BEGINNING = 1 << 12  # bytes
@@ -83,15 +91,21 @@ def blocks_of(
         A word is no number.
     """
     table = bytes.maketrans(separators, b" " * len(separators))
-    for raw in _line_ends(path, file):
+    for raw in whole_lines(path, file):
         text = COMMENT.sub(b"", raw) if b"#" in raw else raw
         text = text.translate(table) if separators else text
-        yield _block(path, text, first_line)
+        yield block_of(path, text, first_line)
         first_line += raw.count(b"\n")
 
 
-def _line_ends(path: Path, file: BinaryIO) -> Iterator[bytes]:
-    """Yield chunks that end where lines end."""
+def whole_lines(path: Path, file: BinaryIO) -> Iterator[bytes]:
+    """Yield chunks that end where lines end.
+
+    Raises
+    ------
+    FileError
+        A line is too long.
+    """
     rest: list[bytes] = []
     held = 0
     while chunk := file.read(CHUNK):
@@ -106,7 +120,14 @@ def _line_ends(path: Path, file: BinaryIO) -> Iterator[bytes]:
     yield b"".join(rest)
 
 
-def _block(path: Path, text: bytes, first_line: int) -> Block:
+def block_of(path: Path, text: bytes, first_line: int) -> Block:
+    """Return the numbers of some whole lines without comments.
+
+    Raises
+    ------
+    FileError
+        A word is no number.
+    """
     content = np.frombuffer(text, dtype=np.uint8)
     blank = BLANKS[content]
     begins = ~blank

@@ -76,10 +76,12 @@ def read_project(path: str | Path) -> Project:
         known = ", ".join(READABLE_PROJECTS)
         raise FileError(f"{path} is not known as a project; known extensions are {known}")
     try:
-        content = path.read_bytes()
+        content = None if path.exists() and not path.is_file() else path.read_bytes()
     except (OSError, ValueError) as error:
         words = reason(error) if isinstance(error, OSError) else str(error)
         raise FileError(f"project {path} cannot be read: {words}; check its path") from error
+    if content is None:
+        raise FileError(f"project {path} is not an ordinary file; give a project file")
     project = _aln(path, content) if extension == "aln" else _mlp(path, content)
     absent = list(dict.fromkeys(str(layer.path) for layer in project.layers if not
                                 layer.path.is_file()))  # fmt: skip

@@ -54,21 +54,19 @@ class Cost:
     points: float = 1.0
 
 
-# Measured with ``benchmarks/growth.py``: the growth of the peak of resident memory in a process of
-# its own, two statues with 15 % missing, 10^5 ... 10^7 points; rounded up.
-PROCESS = 200 * MEGABYTE  # Python and its libraries
-READ_POINT, READ_FACE = 100, 75  # bytes: of a layer, while it is read
-SAVED_POINT = 60  # bytes: while it is written
+# Measured with ``benchmarks/growth.py``: the peak of resident memory of a process of its own for
+# each step, two statues with 15 % missing, 10^4 ... 10^7 points (the crust to 10^6); rounded up.
+PROCESS = 140 * MEGABYTE  # Python and its libraries
+READ_POINT, READ_FACE = 90, 75  # bytes: of a layer, while it is read
+SAVED_POINT = 70  # bytes: while it is written
 COSTS = {
     "compute_normal_for_point_clouds": Cost(0, 90),
-    "generate_reflection_planes": Cost(150 * MEGABYTE, 350),
-    # A statue of which a quarter is missing has a third more points afterwards.
-    "generate_mirror_completed_points": Cost(150 * MEGABYTE, 600, kept=160, points=4 / 3),
-    "generate_surface_reconstruction_power_crust": Cost(
-        100 * MEGABYTE, 2_300, kept=300, points=2.0
-    ),
-    "generate_simplified_points": Cost(100 * MEGABYTE, 1_500, kept=80),
-    "compute_scalar_by_mirror_symmetry_per_vertex": Cost(150 * MEGABYTE, 600, kept=16),
+    "generate_reflection_planes": Cost(100 * MEGABYTE, 230),
+    # A statue of which a sixth is missing has a fifth more points afterwards.
+    "generate_mirror_completed_points": Cost(260 * MEGABYTE, 430, kept=130, points=1.2),
+    "generate_surface_reconstruction_power_crust": Cost(60 * MEGABYTE, 2_200, kept=500, points=2.2),
+    "generate_simplified_points": Cost(60 * MEGABYTE, 900, kept=90),
+    "compute_scalar_by_mirror_symmetry_per_vertex": Cost(160 * MEGABYTE, 350, kept=16),
 }
 ANY = Cost(0, 250)  # a filter that nothing is known of: two more copies of the layer
 
@@ -76,7 +74,7 @@ ANY = Cost(0, 250)  # a filter that nothing is known of: two more copies of the 
 def memory_needed(points: int, faces: int = 0, steps: Sequence[str] = RECONSTRUCT) -> int:
     """Estimate the memory of a job, in bytes of the whole process.
 
-    The estimate is an upper bound for scans of which up to a quarter is missing: reading,
+    The estimate is an upper bound for scans of which up to a sixth is missing: reading,
     the steps one after the other on the layer that the step before has made, and writing.
 
     Parameters

@@ -1,4 +1,6 @@
 // numpy borders of the crust's loops.
+#include <limits>
+
 #include "bindings.hpp"
 #include "crust.hpp"
 #include "far_faces.hpp"
@@ -46,6 +48,8 @@ nb::tuple vertices_of(Places centres, Row<double> radii, Cells samples, Places s
     require(radii.shape(0) == centres.shape(0) && samples.shape(0) == centres.shape(0),
             "one radius and four samples a ball are needed");
     require(sample_count >= 0 && std::size_t(sample_count) <= sites.shape(0), "samples must be among the sites");
+    require_finite(view(centres), "centres must be finite");
+    for (const double radius : view(radii)) require(std::isfinite(radius * radius), "radii must have finite squares");
     require_known(view(samples), sites.shape(0), "balls at unknown sites");
     require_known(view(cells), centres.shape(0), "cell of unknown balls");
     require_known(view(chosen), cells.shape(0), "unknown cells are chosen");
@@ -98,7 +102,9 @@ nb::ndarray<nb::numpy, std::int32_t> far_faces_of(Places points, Rows<std::int32
 
 nb::tuple topology_of(Rows<std::int32_t, 3> faces, std::int32_t vertex_count) {
   SurfaceTopology found = without_gil([&] {
-    require(vertex_count >= 0, "there cannot be fewer than no vertices");
+    require(vertex_count >= 0 && vertex_count < std::numeric_limits<std::int32_t>::max(),
+            "the number of vertices must be at least 0 and fit 32 bits");
+    require(faces.shape(0) < (std::size_t(1) << 31) / 3, "there are more sides than 32-bit indices can number");
     require_known(view(faces), std::size_t(vertex_count), "faces of unknown vertices");
     return surface_topology(view(faces), vertex_count);
   });

@@ -15,9 +15,6 @@
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
-#ifdef __linux__
-#include <sys/prctl.h>
-#endif
 
 #include <cerrno>
 #include <chrono>
@@ -142,7 +139,10 @@ class Watch {
   }
 
   [[noreturn]] void end_process(int number) {
-    for (const int child : children_) kill(child, SIGKILL);
+    for (const int child : children_) {
+      kill(-child, SIGKILL);  // it leads a group, its own children
+      kill(child, SIGKILL);
+    }
     const auto enough = std::chrono::steady_clock::now() + longest_dying;
     for (const int child : children_)
       while (waitpid(child, nullptr, WNOHANG) == 0 && std::chrono::steady_clock::now() < enough)
@@ -231,14 +231,6 @@ void sweep_guarded() {
   patiently([] { watch().sweep(); });
 }
 
-// Let this process be killed when the one that started it ends, where the system can do that.
-bool end_with_parent(int parent) {
-#ifdef __linux__
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-#endif
-  return getppid() == parent;
-}
-
 #else  // Windows: signals are Python's business alone
 
 int watch_signals(double, const std::string&) { return -1; }
@@ -249,7 +241,6 @@ void guard_process(int, bool) {}
 void guard_log(int) {}
 void guard_replacing(bool) {}
 void sweep_guarded() {}
-bool end_with_parent(int) { return true; }
 
 #endif
 
@@ -265,7 +256,6 @@ void bind_interrupts(nanobind::module_& module) {
   module.def("guard_log", &guard_log, arg("descriptor"));
   module.def("guard_replacing", &guard_replacing, arg("begins"));
   module.def("sweep_guarded", &sweep_guarded);
-  module.def("end_with_parent", &end_with_parent, arg("parent"));
 }
 
 }  // namespace symrecon

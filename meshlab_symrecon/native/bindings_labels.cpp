@@ -37,7 +37,7 @@ nb::tuple graph_of(Rows<double, 3> centres, Row<double> radii, Rows<std::int32_t
             "one radius, four samples and one mark a ball are needed");
     require(sample_count >= 0 && most_partners >= 0, "neither samples nor partners can be fewer than none");
     require_finite(view(centres), "centres must be finite");
-    require_finite(view(radii), "radii must be finite");
+    for (const double radius : view(radii)) require(std::isfinite(radius * radius), "radii must have finite squares");
     require_known(view(samples), std::size_t(1) << 31, "balls at negative sites");
     require_cells(view(cells), poles);
     require_neighbours(view(neighbours), view(cells));

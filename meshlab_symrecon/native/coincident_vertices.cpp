@@ -30,7 +30,7 @@ bool Contraction::join_at(std::int32_t hub) {
 void Contraction::join_coincident() {
   std::vector<std::int32_t> doubled, first(samples_.spacing.size(), -1);
   for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
-    if (!is_at_sample(vertex)) continue;
+    if (!halves_.exists(vertex) || !is_at_sample(vertex)) continue;
     std::int32_t& keeper = first[nearest_[vertex]];
     if (keeper < 0) keeper = vertex;
     else doubled.push_back(vertex);

@@ -59,7 +59,7 @@ void MinimumCut::require_both_ways() const {
 std::vector<std::uint8_t> MinimumCut::inner_side(View<std::int32_t> ties, const Progress& progress) {
   require(ties.size() == given_.size(), "one tie a node is needed");
   for (std::size_t i = 0; i < ties.size(); ++i)
-    require(std::abs(std::int64_t(tie_[i]) + ties[i] - given_[i]) <= strongest, "ties must be at most 2^30");
+    require(std::abs(std::int64_t(tie_[i]) + ties[i] - given_[i]) <= strongest, "ties must be at most 2^31 - 1, with what flows through them");
   plant(ties);
   Patience patience(progress, 2 * tie_.size());
   while (!active_.empty()) {

@@ -28,6 +28,9 @@ void announce(const std::vector<Entry>& entries, const Quad& cell) {
   for (const std::int32_t sample : cell) prefetch(entries.data() + sample);
 }
 
+// Distances whose squares would be lost; spacings are divided by.
+constexpr double kLeastDistance = 0x1p-500;
+
 constexpr std::size_t ahead_of_use = 8;  // cells
 
 // What one sample knows of its poles; together, since a pass over the cells visits the samples at random.
@@ -161,8 +164,8 @@ Spacings sample_spacings(const std::vector<Site>& sites, View<Quad> cells,
       if (count == 3 && found.square[3] > kFarFourth * kFarFourth * found.square[2]) break;
       sum += std::sqrt(found.square[count]);
     }
-    spacings.next[sample] = std::sqrt(found.square[0]);
-    spacings.mean[sample] = count > 0 ? sum / count : found.square[0];
+    spacings.next[sample] = std::max(std::sqrt(found.square[0]), kLeastDistance);
+    spacings.mean[sample] = count > 0 ? std::max(sum / count, kLeastDistance) : found.square[0];
   }
   return spacings;
 }

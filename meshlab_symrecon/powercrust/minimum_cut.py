@@ -126,7 +126,8 @@ def _told_by_opposites(across: Opposites, inside: Booleans) -> Floats:
 
 def _ties(belief: Floats, outer: Booleans) -> NDArray[np.int32]:
     """Return (p,) whole capacities: to the outside where positive, to the inside where negative."""
-    ties = np.round(-RESOLUTION * belief).astype(np.int32)
+    # one pole may be the opposite of very many, as in an exact sphere; less than certain it stays
+    ties = np.clip(np.round(-RESOLUTION * belief), -(CERTAIN // 2), CERTAIN // 2).astype(np.int32)
     ties[outer] = CERTAIN
     return ties
 

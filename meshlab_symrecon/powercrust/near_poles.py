@@ -16,6 +16,7 @@ from meshlab_symrecon.powercrust.poles import Poles
 __all__ = ["join_near_poles"]
 
 NEAR = 0.1  # local spacings: what the samples cannot tell apart
+FARTHEST = 2.0**62  # blocks, which 64-bit numbers still count
 CROWDED = 0.8  # share of blocks of that size among the poles, below which poles crowd
 
 
@@ -51,6 +52,7 @@ def join_near_poles(poles: Poles) -> Poles:
 def _crowd(poles: Poles, widest: float) -> bool:
     """Say whether many poles share a block of the given width with others."""
     inner = poles.centres[~poles.outermost]
-    blocks = np.floor(inner / widest).astype(np.int64) & 0x1FFFFF  # 21 bits a coordinate
+    steps = np.clip(np.floor(inner / widest), -FARTHEST, FARTHEST)
+    blocks = steps.astype(np.int64) & 0x1FFFFF  # 21 bits a coordinate
     keys = np.sort((blocks[:, 0] << 42) | (blocks[:, 1] << 21) | blocks[:, 2])
     return bool(1 + np.count_nonzero(np.diff(keys)) < CROWDED * len(keys))

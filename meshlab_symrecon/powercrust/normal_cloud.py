@@ -62,6 +62,10 @@ class NormalCloud:
         return replace(self, samples=self.samples[~left_out], source=self.source[~left_out])
 
 
+# Of the box: squares and cubes of distances between what is left stay within floats.
+NOTHING = 1e-60
+
+
 def normalised(points: Points) -> NormalCloud:
     """Return the distinct points in a box of about unit size.
 
@@ -74,6 +78,7 @@ def normalised(points: Points) -> NormalCloud:
     low, high = points.min(axis=0), points.max(axis=0)
     centre: Floats = 0.5 * (low + high)
     scale = float(2.0 ** -np.ceil(np.log2((high - low).max())))
-    moved = (points - centre) * scale + 0.0  # no negative zeros
+    moved = (points - centre) * scale
+    moved[np.abs(moved) < NOTHING] = 0.0  # of either sign
     order = _native.curve_order(moved).astype(np.int64)
     return NormalCloud(moved[order], order, centre, scale)

@@ -162,7 +162,9 @@ def _trust(poles: Poles) -> Floats:
     room = poles.room[poles.pair_samples]
     balls = poles.radii[poles.pairs]
     length = balls.max(axis=1, initial=0.0) / room
-    if len(length) and np.median(length) < NOISY:
+    if not len(length):
+        return length
+    if np.median(length) < NOISY:
         length = balls.min(axis=1) / room
     certain = min(LONG, TYPICAL * float(np.median(length)))
     trust: Floats = np.minimum(1.0, length / certain) ** STEEPNESS

@@ -51,8 +51,9 @@ def relative_sizes(poles: Poles) -> Floats:
     rooms = np.append(poles.room, 0.0)[np.minimum(poles.samples, poles.sample_count)]
     rooms.sort(axis=1)
     room = np.minimum(rooms[:, 3], 0.5 * UNEVEN * (rooms[:, 1] + rooms[:, 2]))
-    with np.errstate(divide="ignore"):
-        sizes: Floats = poles.radii / room
+    sizes: Floats = np.full(len(room), np.inf)
+    with np.errstate(over="ignore"):
+        np.divide(poles.radii, room, out=sizes, where=room > 0.0)
     return sizes
 
 

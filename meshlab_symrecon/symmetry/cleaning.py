@@ -55,5 +55,8 @@ def without_plinth(points: Points, sides: Points | None) -> tuple[Points, Points
     points, sides
         Those above the plinth; all of them without one.
     """
-    left = off_plinth(points / robust_diagonal(points))
+    diagonal = robust_diagonal(points)
+    if diagonal == 0.0:  # nearly all points in one place
+        return points, sides
+    left = off_plinth(points / diagonal)
     return points[left], None if sides is None else sides[left]

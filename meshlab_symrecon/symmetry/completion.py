@@ -254,7 +254,7 @@ def _scan(
     framed = points - centre
     framed = framed @ axes.T  # so that all that follows turns with the scan
     order = _native.curve_order(framed).astype(np.int64)
-    diagonal = robust_diagonal(framed)
+    diagonal = robust_diagonal(framed[order])  # without those that coincide
     del framed
     ordered = points[order]
     looking = part(progress, 0.2, 0.8)

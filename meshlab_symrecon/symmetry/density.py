@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Points
+from meshlab_symrecon.geometry.neighbours import blocks
 
 __all__ = ["as_dense_as_around"]
 
@@ -44,8 +45,11 @@ def as_dense_as_around(
         return np.zeros(0, dtype=bool)
     places, place = np.unique(rim, return_inverse=True)
     count = min(SURROUNDINGS, len(points))
-    around = cKDTree(points).query(points[places], k=count)[1].reshape(len(places), count)
-    outside = np.median(spacing[around], axis=1)[place.reshape(-1)]
+    tree, usual = cKDTree(points), np.zeros(len(places))
+    for rows in blocks(len(places)):
+        around = tree.query(points[places[rows]], k=count)[1].reshape(-1, count)
+        usual[rows] = np.median(spacing[around], axis=1)
+    outside = usual[place.reshape(-1)]
     inside = _smoothed(own)
     ratio = outside / np.maximum(inside, np.finfo(np.float64).tiny)
     share = np.where(ratio > SAME, ratio**-2.0, 1.0)

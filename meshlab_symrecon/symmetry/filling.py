@@ -263,14 +263,17 @@ def _in_patches(images: Points, spacing: float) -> Booleans:
     if smallest == 1:
         return np.ones(len(images), dtype=bool)
     count = len(images)
-    nearest = cKDTree(images).query(
-        images, k=PATCH_NEIGHBOURS + 1, distance_upper_bound=PATCH_REACH * spacing
-    )[1][:, 1:]
-    first, second = np.repeat(np.arange(count), PATCH_NEIGHBOURS), nearest.ravel()
-    linked = second < count
-    links = coo_matrix(
-        (np.ones(linked.sum(), dtype=bool), (first[linked], second[linked])), shape=(count, count)
-    )
+    tree, first, second = cKDTree(images), [], []
+    for rows in blocks(count):
+        nearest = tree.query(
+            images[rows], k=PATCH_NEIGHBOURS + 1, distance_upper_bound=PATCH_REACH * spacing
+        )[1][:, 1:]
+        place, rank = np.nonzero(nearest < count)
+        first.append((place + rows.start).astype(np.int32))
+        second.append(nearest[place, rank].astype(np.int32))
+    ends = np.concatenate(first), np.concatenate(second)
+    links = coo_matrix((np.ones(len(ends[0]), dtype=bool), ends), shape=(count, count))
+    del tree, first, second, ends
     patch = connected_components(links, directed=False)[1]
     joined: Booleans = np.bincount(patch)[patch] >= smallest
     return joined

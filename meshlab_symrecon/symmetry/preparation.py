@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import Booleans, Floats, Indices, Planes, Points
+from meshlab_symrecon.errors import GeometryError
 from meshlab_symrecon.geometry.bounds import robust_diagonal
 from meshlab_symrecon.geometry.neighbours import (
     NearestField,
@@ -102,6 +103,11 @@ def prepare(
     PreparedCloud
         The same for any order of the points and any number of copies of them, up to rounding for
         any position and size.
+
+    Raises
+    ------
+    GeometryError
+        Nearly all points in one place, beside stray ones far away.
     """
     order = _order_of_distinct(points)
     points = points[order]
@@ -115,6 +121,12 @@ def prepare(
     if not plinth:
         dense, sides = without_plinth(dense, sides)
     shift, size = dense.mean(axis=0), robust_diagonal(dense)
+    if size == 0.0:
+        message = (
+            "detection of reflection planes needs points all over a body; got nearly all of "
+            f"{len(points)} points in one place; remove stray points far away"
+        )
+        raise GeometryError(message)
     dense = (dense - shift) / size
     base = _base_level(dense)
     places, directions, roughness = _smooth_surface(dense, dense[base])

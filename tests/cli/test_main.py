@@ -97,13 +97,13 @@ from meshlab_symrecon.host import files, reconstruction
 
 real = files.write_layer
 
-def slow(*given):
-    real(*given)
+def slow(*given, **more):
+    real(*given, **more)
     print("writing", flush=True)
     time.sleep(60)
 
 files.write_layer = slow
-reconstruction.whole_method = lambda scan, seed, progress: reconstruction.Reconstruction(
+reconstruction.whole_method = lambda scan, *given, **more: reconstruction.Reconstruction(
     files.load(scan), {}, 0, {}, {}, {}
 )
 main(sys.argv[1:])

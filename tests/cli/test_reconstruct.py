@@ -184,7 +184,7 @@ def test_without_a_plane_it_closes_what_was_measured(shell, lopsided, tmp_path):
 def test_bad_outputs_are_refused_before_the_work(run, statue, tmp_path, monkeypatch, extra, words):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(
-        reconstruction, "whole_method", lambda *given: pytest.fail("the work started")
+        reconstruction, "whole_method", lambda *given, **more: pytest.fail("the work started")
     )
     before = statue.read_bytes()
     result = run("reconstruct", statue, *(word.format(scan=statue) for word in extra))
@@ -238,7 +238,7 @@ def test_a_missing_library_is_named_first(
 ):
     monkeypatch.setattr(command, "find_spec", lambda asked: None if asked == library else asked)
     monkeypatch.setattr(
-        reconstruction, "whole_method", lambda *given: pytest.fail("the work started")
+        reconstruction, "whole_method", lambda *given, **more: pytest.fail("the work started")
     )
     result = run("reconstruct", statue, "-o", tmp_path / "a.ply", option, tmp_path / name)
     assert result.exit_code == 1
@@ -248,7 +248,7 @@ def test_a_missing_library_is_named_first(
 
 
 def test_an_error_in_the_middle_leaves_nothing(run, statue, tmp_path, monkeypatch):
-    def fail(*given):
+    def fail(*given, **more):
         raise GeometryError("4 points are needed; got 3; scan again")
 
     monkeypatch.setattr(reconstruction, "whole_method", fail)

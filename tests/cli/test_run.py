@@ -18,13 +18,25 @@ from meshlab_symrecon.host.resolution import resolve_script
 SHIPPED = sorted(Path(__file__).parents[2].joinpath("meshlab_scripts").glob("*.mlx"))
 
 
+def without_record(path):
+    """Return the bytes of a PLY file but for what it says about how it was made."""
+    header, end, body = path.read_bytes().partition(b"end_header\n")
+    kept = [
+        line for line in header.splitlines() if not line.startswith(b"comment meshlab_symrecon")
+    ]
+    assert len(kept) < len(header.splitlines())
+    return kept, end, body
+
+
 def test_the_shipped_script_gives_the_same_surface_to_the_last_bit(run, statue, tmp_path):
     script = next(path for path in SHIPPED if path.name == "scan_to_solid.mlx")
     by_script, by_command = tmp_path / "a.ply", tmp_path / "b.ply"
     result = run("run", script, statue, "-o", by_script, "--json", tmp_path / "r.json")
     assert result.exit_code == 0, result.stderr
     assert run("reconstruct", statue, "-o", by_command).exit_code == 0
-    assert by_script.read_bytes() == by_command.read_bytes()
+    # The script has one step more in its record: it looks for duplicates first.
+    by_script, by_command = (without_record(path) for path in (by_script, by_command))
+    assert by_script == by_command
     report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert [step["status"] for step in report["steps"]] == ["ran"] * 5
     assert [step["filter"] for step in report["steps"]][2:] == [

@@ -456,7 +456,7 @@ def test_too_many_points_are_refused(monkeypatch):
 
 @pytest.mark.parametrize("wrong", [-1, 3])
 def test_poles_of_unknown_sites_are_refused(wrong):
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match="unknown sites"):
         _native.find_poles(np.eye(3), np.array([[0, 1, 2, wrong]], dtype=np.int32), 3)
 
 
@@ -480,7 +480,7 @@ def test_neighbours_in_the_curve_order_are_near():
 
 
 def test_cells_of_unknown_sites_are_refused():
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match="unknown sites"):
         _native.orthocentres(np.eye(3), np.zeros(3), np.array([[0, 1, 2, 3]], dtype=np.int32))
 
 

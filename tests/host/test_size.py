@@ -16,6 +16,7 @@ import pytest
 from meshlab_symrecon.errors import SizeError, SymReconWarning
 from meshlab_symrecon.host import reconstruction
 from meshlab_symrecon.host.files import load, save_current
+from meshlab_symrecon.host.meshset import read_layer
 from meshlab_symrecon.host.size import (
     RECONSTRUCT,
     check_memory,
@@ -176,7 +177,7 @@ def silent(fraction, message):
 
 def test_the_whole_method_refuses_before_it_reads(statue, monkeypatch):
     monkeypatch.setattr(reconstruction, "load", lambda path: pytest.fail("it was read"))
-    with pytest.raises(SizeError, match=r"ball\.ply has 2562 points; reconstruct needs about"):
+    with pytest.raises(SizeError, match=r"ball\.ply has 2562 points; reading them alone needs"):
         reconstruction.whole_method(statue, {}, silent, limit=10**6)
 
 
@@ -187,7 +188,7 @@ def test_the_whole_method_refuses_what_the_file_did_not_tell(statue, monkeypatch
 
 
 def test_the_whole_method_thins_out_first(statue):
-    whole = {tuple(row) for row in load(statue).current_mesh().vertex_matrix().tolist()}
+    whole = {tuple(row) for row in read_layer(load(statue), 0).points.tolist()}
     with pytest.warns(SymReconWarning, match="without its 5120 faces"):
         result = reconstruction.whole_method(statue, {}, silent, most=600)
     scan = result.mesh_set.mesh(result.layers[reconstruction.SCAN])

@@ -257,21 +257,35 @@ def test_cells_that_are_no_neighbours_are_refused():
         )
 
 
-def test_a_polygon_that_ends_before_it_closes_is_refused():
+def ball_and_inner_sites():
     cells = delaunay(np.random.default_rng(0).random((12, 3)))
     cell, corner = np.nonzero(cells.neighbours < 0)
     inside = np.ones(12, dtype=np.uint8)
     inside[cells.cells[cell[:, None], FACETS[corner]]] = 0
     assert inside.any()
+    return cells, inside
+
+
+def test_a_polygon_that_ends_before_it_closes_is_refused():
+    ball, inside = ball_and_inner_sites()
     messages = set()
-    for cell, place, other in itertools.product(range(len(cells.cells)), range(4), range(4)):
-        wrong = cells.cells.copy()
-        wrong[cell, place] = wrong[cell, other]  # a site twice in one cell
+    for cell, place in itertools.product(range(len(ball.cells)), range(4)):
+        wrong = ball.neighbours.copy()
+        wrong[cell, place] = cell  # its own neighbour: there is no way out
         try:
-            _native.mixed_edge_polygons(wrong, cells.neighbours, inside)
+            _native.mixed_edge_polygons(ball.cells, wrong, inside)
         except ValueError as error:
             messages.add(str(error))
-    assert "cells of the triangulation do not close round an edge" in messages
+    assert messages == {"cells of the triangulation do not close round an edge"}
+
+
+def test_a_cell_that_has_a_site_twice_is_refused():
+    ball, inside = ball_and_inner_sites()
+    for cell, place in itertools.product(range(len(ball.cells)), range(4)):
+        wrong = ball.cells.copy()
+        wrong[cell, place] = wrong[cell, place - 1]
+        with pytest.raises(ValueError, match="site twice"):
+            _native.mixed_edge_polygons(wrong, ball.neighbours, inside)
 
 
 def test_polygons_of_no_surface_are_refused():

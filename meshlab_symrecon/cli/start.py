@@ -1,0 +1,39 @@
+"""The programs' first lines: ready for Ctrl-C before anything that takes time is loaded."""
+
+from __future__ import annotations
+
+import os
+import signal
+from types import FrameType
+
+__all__ = ["server", "symrecon"]
+
+SENTENCE = b"interrupted; nothing was left half-written\n"
+OF_SIGNALS = 128
+
+
+def symrecon() -> None:
+    """Run ``symrecon``."""
+    _end_at_interrupt()
+    from meshlab_symrecon.cli.main import main
+
+    main()
+
+
+def server() -> None:
+    """Run ``symrecon-server``."""
+    _end_at_interrupt()
+    from meshlab_symrecon.cli.server import main
+
+    main()
+
+
+def _end_at_interrupt() -> None:
+    """End at Ctrl-C at once, as long as nothing can be half-written; see ``interruptible``."""
+
+    def end(number: int, frame: FrameType | None) -> None:
+        os.write(2, SENTENCE)
+        os._exit(OF_SIGNALS + number)
+
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, end)

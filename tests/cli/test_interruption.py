@@ -1,0 +1,130 @@
+"""Ctrl-C at every stage of real commands."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of Posix")
+
+SENTENCE = "interrupted; nothing was left half-written\n"
+BIG, SMALL = 250_000, 15_000  # points
+LONGEST = 2.5  # seconds, on a loaded machine; on a free one it is under one
+START = "from meshlab_symrecon.cli.start import symrecon; symrecon()"
+
+
+def bust(count):
+    """Return a cloud that is symmetric, with a part missing."""
+    drawn = np.random.default_rng(0).normal(size=(count, 3))
+    x, y, z = (drawn / np.linalg.norm(drawn, axis=1, keepdims=True)).T
+    radius = 1.0 + 0.35 * z + 0.3 * y * z - 0.25 * y**3 + 0.3 * z * x**2
+    points = radius[:, np.newaxis] * np.column_stack([x, y, z])
+    return points[~((points[:, 0] > 0.5) & (points[:, 1] > 0.0))]
+
+
+@pytest.fixture(scope="module")
+def scans(tmp_path_factory):
+    """Scans by their number of points; on the large one the first stages take a while."""
+    folder = tmp_path_factory.mktemp("scans")
+    written = {}
+    for count in (BIG, SMALL):
+        path = written[count] = folder / f"{count}.ply"
+        points = bust(count)
+        header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
+        header += "".join(f"property double {axis}\n" for axis in "xyz") + "end_header\n"
+        path.write_bytes(header.encode() + points.astype("<f8").tobytes())
+    return written
+
+
+@pytest.fixture
+def interrupted(tmp_path):
+    """Return a function that starts a command, interrupts it, and checks what is left of it.
+
+    It waits until the log has a line with ``after``; without one it waits so many seconds.
+    """
+    out, temporary, log = tmp_path / "out", tmp_path / "tmp", tmp_path / "log.txt"
+    out.mkdir()
+    temporary.mkdir()
+
+    def call(words, after, number=signal.SIGINT):
+        for name in ("old.ply", "old.json", "old.obj"):
+            (out / name).write_bytes(b"old")
+        process = subprocess.Popen(
+            [sys.executable, "-c", START, *map(str, words), "--log", str(log)],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=out,
+            env=os.environ | {"TMPDIR": str(temporary)}, start_new_session=True,
+        )  # fmt: skip
+        wait(process, log, after)
+        sent = time.monotonic()
+        process.send_signal(number)
+        told, said = process.communicate(timeout=30)
+        took = time.monotonic() - sent
+        assert (process.returncode, told, said) == (128 + number, "", SENTENCE)
+        assert took < LONGEST
+        assert sorted(path.name for path in out.iterdir()) == ["old.json", "old.obj", "old.ply"]
+        assert all(path.read_bytes() == b"old" for path in out.iterdir())
+        assert list(temporary.iterdir()) == []
+        return log.read_text() if log.exists() else ""
+
+    return call
+
+
+def wait(process, log, after):
+    if not isinstance(after, str):
+        time.sleep(after)
+        return
+    until = time.monotonic() + 60
+    while not (log.exists() and after in log.read_text()):
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    time.sleep(random.Random(after).uniform(0.0, 0.15))
+
+
+WHOLE = ("-o", "old.ply", "--project", "p.mlp", "--json", "old.json")
+
+
+@pytest.mark.parametrize(
+    ("count", "after", "number"),
+    [
+        (BIG, 0.2, signal.SIGINT),  # while modules are loaded
+        (BIG, "meshlab_symrecon ", signal.SIGINT),
+        (BIG, f"reading {BIG}.ply: ", signal.SIGINT),  # native normals
+        (BIG, "normals: ", signal.SIGTERM),
+        (SMALL, "following how the sides differ: ", signal.SIGINT),
+        (SMALL, "triangulating the samples: ", signal.SIGHUP),
+        (SMALL, "carrying over attributes: ", signal.SIGINT),
+        (SMALL, "writing old.ply: ", signal.SIGINT),  # the surface waits for the project
+    ],
+)
+def test_reconstruct_ends_at_every_stage(interrupted, scans, count, after, number):
+    scan = scans[count]
+    before = scan.stat().st_mtime_ns, scan.read_bytes()
+    log = interrupted(["reconstruct", scan, *WHOLE], after, number)
+    assert before == (scan.stat().st_mtime_ns, scan.read_bytes())
+    if isinstance(after, str):
+        *_, said, ended = log.splitlines() if "ended after" in log else [*log.splitlines(), ""]
+        assert said.endswith(SENTENCE.strip())
+        assert not ended or "ended after" in ended
+
+
+def test_native_saving_ends(interrupted):
+    """MeshLab writes a large file for seconds, and looks at no signal."""
+    interrupted(["apply", "create_sphere", "--subdiv", "7", "-o", "old.obj"], " Sphere: ")
+
+
+def test_a_child_of_run_ends(interrupted, scans, tmp_path):
+    script = tmp_path / "s.mlx"
+    script.write_text(
+        "<!DOCTYPE FilterScript><FilterScript>"
+        '<filter name="Compute normals for point sets"/>'
+        '<filter name="Surface Reconstruction: Power Crust"/></FilterScript>'
+    )
+    interrupted(["run", script, scans[BIG], "-o", "old.ply", "--isolate"], "reading")
