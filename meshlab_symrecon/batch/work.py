@@ -148,8 +148,8 @@ def _save(mesh_set: Any, job: Job) -> None:
     from meshlab_symrecon.host.records import record_of
 
     most = job.limits.points
-    asked = dict(job.work.settings) | ({} if most is None else {"max_points": most})
-    record = record_of(mesh_set, files_of(job.scan), asked)
+    own = {} if most is None else {"max_points": most}  # the others are parameters of the steps
+    record = record_of(mesh_set, files_of(job.scan), own)
     try:
         if job.output.suffix.lower() == f".{PROJECT}":
             save_project(mesh_set, job.output, files_of(job.scan), record=record)

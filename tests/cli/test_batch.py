@@ -67,6 +67,7 @@ def test_reconstruct_is_the_whole_method(place, statue, run):
     found = json.loads(line)
     alone = run("reconstruct", statue, "-o", "alone.ply", "--json", "r.json", "--seed", 3)
     assert alone.exit_code == 0, alone.stderr
+    assert (place / "alone.ply").read_bytes() == next((place / "out").glob("*.ply")).read_bytes()
     expected = json.loads((place / "r.json").read_text())
     for one in (found["measures"], expected):
         del one["surface"]["seconds"]
