@@ -101,7 +101,7 @@ wheel: sdist
 
 test-oldest:
 	test -x $(OLDEST)/bin/python || $(OLDEST_PYTHON) -m venv $(OLDEST)
-	$(OLDEST)/bin/pip install --quiet --disable-pip-version-check -c tests/oldest_versions.txt ".[dev,report]"
+	$(OLDEST)/bin/pip install --quiet --disable-pip-version-check -c tests/oldest_versions.txt ".[dev,distributed,report]"
 	$(OLDEST)/bin/pytest
 
 $(RELEASE)/installed: pyproject.toml
