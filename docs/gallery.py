@@ -59,6 +59,14 @@ PICTURES = (
         ((*PYTHON, "benchmarks/deviation_picture.py", "{path}"),),
         needs=(DATA,),
     ),
+    Picture(
+        "growth.png",
+        (
+            (*PYTHON, "benchmarks/growth.py", "--rows", "{scratch}/rows.json"),
+            (*PYTHON, "benchmarks/growth_picture.py", "{scratch}/rows.json", "{path}"),
+        ),
+        needs=(DATA,),
+    ),
     Picture("planes.png", ((*PYTHON, "benchmarks/plane_pictures.py", "{path}"),)),
     Picture(
         "report.png",

@@ -119,7 +119,8 @@ def test_wheels_are_for_what_pymeshlab_has_wheels_for():
 
 @pytest.mark.parametrize("name", ["pyproject.toml", "Makefile", ".github/workflows/wheels.yml"])
 def test_the_tests_that_a_wheel_is_given_exist_and_need_only_themselves(name):
-    given = set(re.findall(r"tests/test_\w+\.py", text(name)))
+    told = re.sub(r"KERNEL_TESTS := (.*\\\n)*.*", "", text(name))  # those of make sanitize
+    given = set(re.findall(r"tests/test_\w+\.py", told))
     assert given == {"tests/test_installed.py", "tests/test_arrays.py"}
     for test in given:
         assert "ROOT" not in text(test)

@@ -108,13 +108,13 @@ def test_the_step_of_the_page_is_the_filter_with_its_defaults(item, tmp_path):
 @EACH
 def test_the_command_of_the_page_is_understood(item, monkeypatch):
     heard = []
-    monkeypatch.setattr(APPLY, "_run", lambda *given: heard.append(given))
+    monkeypatch.setattr(APPLY, "_run", lambda *given: heard.append(given[:-1]))  # but the work
     program, *words = shlex.split(block(item, "sh"))
     done = CliRunner().invoke(main, words)
     assert (program, done.exit_code) == ("symrecon", 0), done.output
     first = item.parameters.declared()[0]
-    paths = (Path("scan.ply"),), Path("result.ply"), None
-    assert heard == [(item, *paths, {first.name: first.default})]
+    files = APPLY.Files((Path("scan.ply"),), Path("result.ply"), None, None)
+    assert heard == [(item, files, {first.name: first.default})]
 
 
 def test_a_bare_filter_has_a_short_page():

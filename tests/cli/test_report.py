@@ -319,7 +319,7 @@ def test_a_scan_that_vanishes_is_one_sentence(result, tmp_path):
 def test_a_folder_that_cannot_be_written_is_one_sentence(
     run, statue, result, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(reconstruction, "whole_method", lambda *given: result)
+    monkeypatch.setattr(reconstruction, "whole_method", lambda *given, **more: result)
     page = tmp_path / "no" / "r.html"
     page.parent.mkdir()
     make = tempfile.mkdtemp
