@@ -11,6 +11,7 @@ void bind_crust(nanobind::module_& module);
 void bind_noise(nanobind::module_& module);
 void bind_interrupts(nanobind::module_& module);
 void bind_labels(nanobind::module_& module);
+void bind_memory(nanobind::module_& module);
 void bind_symmetry(nanobind::module_& module);
 void bind_streams(nanobind::module_& module);
 void bind_surfaces(nanobind::module_& module);

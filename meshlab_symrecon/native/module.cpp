@@ -145,6 +145,7 @@ NB_MODULE(_native, module) {
   bind_noise(module);
   bind_interrupts(module);
   bind_labels(module);
+  bind_memory(module);
   bind_streams(module);
   bind_surfaces(module);
   bind_symmetry(module);

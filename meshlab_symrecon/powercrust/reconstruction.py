@@ -24,6 +24,7 @@ from meshlab_symrecon.powercrust.crust import (
     joined_at_samples,
 )
 from meshlab_symrecon.powercrust.interpolating import interpolating_faces
+from meshlab_symrecon.powercrust.kept_memory import kept_memory
 from meshlab_symrecon.powercrust.labelling import Labels, label_poles
 from meshlab_symrecon.powercrust.medial_axis import MedialAxis, medial_axis
 from meshlab_symrecon.powercrust.normal_cloud import normalised
@@ -122,6 +123,11 @@ def reconstruct(
     recipe = recipe or Recipe()
     stages = Stages(progress)
     given = as_points(points)
+    with kept_memory(len(given)):
+        return _reconstructed(given, recipe, stages)
+
+
+def _reconstructed(given: Points, recipe: Recipe, stages: Stages) -> PowerCrust:
     cloud = normalised(given)
     usable = usable_poles(cloud.samples, recipe, stages)
     cloud = cloud.without(usable.outliers)

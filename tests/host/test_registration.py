@@ -106,7 +106,7 @@ def test_progress_is_heard(installed, cloud_set):
     meshlab_symrecon.apply_filter(
         cloud_set, "grow_points", progress=lambda *news: heard.append(news)
     )
-    assert heard == [(1.0, "grown")]
+    assert heard == [(1.0, "grown"), (1.0, "adding layers")]
 
 
 def test_progress_of_a_native_filter_is_its_start_and_its_end(installed, cloud_set):

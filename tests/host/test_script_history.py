@@ -374,8 +374,9 @@ def test_a_replay_tells_its_progress_and_changes_no_record(plugins):
     before = read_history(mesh_set), exact_steps.notes_of(mesh_set)
     heard = []
     mesh_set.apply_filter_script(progress=lambda *news: heard.append(news))
-    assert [fraction for fraction, _ in heard] == [0.0, 0.5, 0.5, 1.0]
-    for (_, message), words in zip(heard, ("Grow", "grown", "Box/Cube", "done"), strict=True):
+    assert [fraction for fraction, _ in heard] == [0.0, 0.5, 0.5, 0.5, 1.0]
+    told = ("Grow", "grown", "adding layers", "Box/Cube", "done")
+    for (_, message), words in zip(heard, told, strict=True):
         assert words in message
     assert (read_history(mesh_set), exact_steps.notes_of(mesh_set)) == before
 
