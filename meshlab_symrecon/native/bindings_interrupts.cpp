@@ -20,6 +20,7 @@
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <mutex>
@@ -53,6 +54,8 @@ void write_text(int descriptor, const std::string& text) {
   const ssize_t written = write(descriptor, text.data(), text.size());
   (void)written;
 }
+
+void watch_over_exit();
 
 class Watch {
  public:
@@ -111,6 +114,12 @@ class Watch {
     changed_.notify_all();
   }
 
+  // Native code has called exit() amid the work, as OpenBLAS does when there is no memory left.
+  void end_at_exit() {
+    if (getpid() != process_ || !watching_) return;
+    answer_crash(no_signal);
+  }
+
   void sweep() {
     const std::lock_guard lock(mutex_);
     remove_guarded();
@@ -122,6 +131,7 @@ class Watch {
     for (const int end : pipe_) fcntl(end, F_SETFD, FD_CLOEXEC);
     fcntl(pipe_[1], F_SETFL, O_NONBLOCK);  // as signal.set_wakeup_fd wants it
     std::thread([this] { wait_for_signals(); }).detach();
+    std::atexit([] { watch_over_exit(); });
   }
 
   void wait_for_signals() {
@@ -205,6 +215,7 @@ class Watch {
     return all;
   }
 
+  const pid_t process_ = getpid();
   std::mutex mutex_;
   std::condition_variable changed_;
   int pipe_[2] = {-1, -1};
@@ -223,6 +234,8 @@ Watch& watch() {
   static Watch* const only = new Watch;  // never deleted: its thread may outlive everything else
   return *only;
 }
+
+void watch_over_exit() { watch().end_at_exit(); }
 
 // The lock may be held for good, by a thread that is ending the process.
 template <class Work>

@@ -43,11 +43,9 @@ class Sentence {
     append("error: ");
     const char* doing = steps[step.load()];
     if (*doing != '\0') append(doing), append(": ");
-    append("MeshLab's native code ended the process by ");
-    const char* name = "a signal";
+    append(number == no_signal ? "native code ended the process" : "MeshLab's native code ended the process by ");
     for (std::size_t kind = 0; kind < kinds; ++kind)
-      if (caught[kind] == number) name = names[kind];
-    append(name);
+      if (caught[kind] == number) append(names[kind]);
     switch (files.load()) {
       case Files::none_written: append("; nothing was written"); break;
       case Files::taking_their_places: append("; each file that was being replaced is whole, the old or the new one"); break;

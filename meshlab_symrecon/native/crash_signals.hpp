@@ -7,6 +7,8 @@
 
 namespace symrecon {
 
+constexpr int no_signal = 0;  // for native code that calls exit()
+
 // What is true of the files that were to be written, when a process crashes.
 enum class Files { none_written, taking_their_places, some_written };
 
