@@ -2,18 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.files import WRITABLE, check_output, new_document, save_current
 from meshlab_symrecon.host.isolation import isolated
 from meshlab_symrecon.host.mlx import Script
 from meshlab_symrecon.host.projects import PROJECT, files_of, load_input, save_project
 from meshlab_symrecon.host.records import record_of
-from meshlab_symrecon.host.script import ScriptReport, checked_script, run_steps
+from meshlab_symrecon.host.script import StepReport, checked_script, run_steps
+from meshlab_symrecon.host.size import check_memory, check_rest
+from meshlab_symrecon.host.thinning import check_most, thin_current
 from meshlab_symrecon.plugin import Progress
 
-__all__ = ["run_on_files"]
+__all__ = ["FileReport", "Thinned", "run_on_files"]
+
+
+@dataclass(frozen=True, slots=True)
+class Thinned:
+    """An input that was thinned out: its points in the file, and those that the script met."""
+
+    path: str
+    measured: int
+    points: int
+
+
+@dataclass(frozen=True, slots=True)
+class FileReport:
+    """What became of a script on files, and of the inputs that were too large for ``most``."""
+
+    script: str
+    steps: tuple[StepReport, ...]
+    seconds: float
+    thinned: tuple[Thinned, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Job:
+    """What is done, maybe in a child process."""
+
+    script: Script
+    inputs: tuple[Path, ...]
+    kept: tuple[Path, ...]  # files that must stay as they are: the script's first
+    output: Path
+    how: Mapping[str, bool]
+    most: int | None
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """The names of the steps, as they are written."""
+        return tuple(step.name for step in self.script.steps)
 
 
 def run_on_files(
@@ -24,8 +65,9 @@ def run_on_files(
     strict: bool,
     lenient: bool,
     isolate: bool,
+    most: int | None = None,
     progress: Progress,
-) -> ScriptReport:
+) -> FileReport:
     """Run a script on files, and save the current layer, or all layers as a project.
 
     Parameters
@@ -40,12 +82,18 @@ def run_on_files(
         As ``run_script``.
     isolate : bool
         Work in a child process, whose crash is an error.
+    most : int, optional
+        An input with more points is thinned out evenly to these when it has been read.
     progress : callable
 
     Raises
     ------
     FileError
-        A file cannot be read or written.
+        A file cannot be read or written, or has several layers that would have to be thinned out.
+    ParameterError
+        ``most`` is too small.
+    SizeError
+        The work would need more memory than there is; nothing was written.
     ScriptError
         As ``run_script``; nothing was written.
     HostError
@@ -53,34 +101,61 @@ def run_on_files(
     """
     kept = [script, *(file for path in inputs for file in files_of(path))]
     check_output(output, kept, (*WRITABLE, PROJECT))
+    if most is not None:
+        check_most(most)
     # Before reading inputs, which is long; and once only, since a script may come through a pipe.
     steps = checked_script(script, strict=strict, lenient=lenient)
-    job = (steps, tuple(inputs), tuple(kept), output, strict, lenient)
+    how = {"strict": strict, "lenient": lenient}
+    job = _Job(steps, tuple(inputs), tuple(kept), output, how, most)
+    check_memory(job.kept[1:], most=most, steps=job.steps, work="the script")
     if not isolate:
-        return _done(*job, progress=progress)
-    report: ScriptReport = isolated(_done, *job, progress=progress, folders=[output.parent])
+        return _done(job, progress=progress)
+    report: FileReport = isolated(_done, job, progress=progress, folders=[output.parent])
     return report
 
 
-def _done(
-    script: Script,
-    inputs: Sequence[Path],
-    kept: Sequence[Path],
-    output: Path,
-    strict: bool,
-    lenient: bool,
-    *,
-    progress: Progress,
-) -> ScriptReport:
+def _done(job: _Job, *, progress: Progress) -> FileReport:
     mesh_set = new_document()
-    for path in inputs:
+    thinned: list[Thinned] = []
+    for path in job.inputs:
         progress(0.0, f"reading {path}")
-        load_input(path, mesh_set)
-    report = run_steps(mesh_set, script, strict=strict, lenient=lenient, progress=progress)
-    progress(1.0, f"writing {output}")
-    record = record_of(mesh_set, kept[1:])  # all but the script
-    if output.suffix.lower() == f".{PROJECT}":
-        save_project(mesh_set, output, kept, record=record)
+        thinned += _loaded(path, mesh_set, job.most, progress)
+    _check_size(job, mesh_set)
+    report = run_steps(mesh_set, job.script, **job.how, progress=progress)
+    progress(1.0, f"writing {job.output}")
+    settings = {} if job.most is None else {"max_points": job.most}
+    record = record_of(mesh_set, job.kept[1:], settings)  # all but the script
+    if job.output.suffix.lower() == f".{PROJECT}":
+        save_project(mesh_set, job.output, job.kept, record=record)
     else:
-        save_current(mesh_set, output, record)
-    return report
+        save_current(mesh_set, job.output, record)
+    return FileReport(report.script, report.steps, report.seconds, tuple(thinned))
+
+
+def _loaded(path: Path, mesh_set: Any, most: int | None, progress: Progress) -> list[Thinned]:
+    """Load an input and thin it out; return what was thinned."""
+    before = {int(mesh.id()) for mesh in mesh_set}
+    load_input(path, mesh_set)
+    sizes = {int(mesh.id()): int(mesh.vertex_number()) for mesh in mesh_set}
+    new = [identifier for identifier in sizes if identifier not in before]
+    large = [identifier for identifier in new if most is not None and sizes[identifier] > most]
+    if most is None or not large:
+        return []
+    if large != new[-1:]:  # what is thinned out becomes the last layer, and scripts count layers
+        message = (
+            f"{path} holds {len(new)} layers, and another one than the last has more than {most} "
+            "points; thin out its layers one by one, or leave --max-points out"
+        )
+        raise FileError(message)
+    progress(0.0, f"thinning out {path}")
+    mesh_set.set_current_mesh(large[0])
+    return [Thinned(str(path), sizes[large[0]], thin_current(mesh_set, most))]
+
+
+def _check_size(job: _Job, mesh_set: Any) -> None:
+    """Check the memory again, now that the size is known of what did not announce it."""
+    if not job.inputs or not job.steps:
+        return
+    sizes = [int(mesh.vertex_number()) for mesh in mesh_set]
+    if sizes:
+        check_rest(job.inputs[-1], max(sizes), job.steps, measured=max(sizes))
