@@ -51,7 +51,7 @@ def run(
     anything runs.
     """
     from meshlab_symrecon.cli.reports import plain, write_json
-    from meshlab_symrecon.host.file_job import run_on_files
+    from meshlab_symrecon.host.file_job import Manner, run_on_files
     from meshlab_symrecon.host.files import check_output
     from meshlab_symrecon.host.projects import files_of
 
@@ -61,7 +61,8 @@ def run(
         kept = [file for path in inputs for file in files_of(path)]
         check_output(report, [script, *kept, output], ())
     with work.progress(script.name) as progress:
-        result = run_on_files(script, inputs, output, **how, most=max_points, progress=progress)
+        manner = Manner(**how, most=max_points)
+        result = run_on_files(script, inputs, output, manner, progress)
     if report is not None:
         files = {"inputs": [str(path) for path in inputs], "output": str(output)}
         settings = {} if max_points is None else {"max_points": max_points}

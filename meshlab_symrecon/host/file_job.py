@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from meshlab_symrecon.host.size import check_memory, check_rest
 from meshlab_symrecon.host.thinning import check_most, thin_current
 from meshlab_symrecon.plugin import Progress
 
-__all__ = ["FileReport", "Thinned", "run_on_files"]
+__all__ = ["FileReport", "Manner", "Thinned", "run_on_files"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +41,26 @@ class FileReport:
 
 
 @dataclass(frozen=True, slots=True)
+class Manner:
+    """How a script is run on files.
+
+    Attributes
+    ----------
+    strict, lenient : bool
+        As ``run_script``.
+    isolate : bool
+        Work in a child process, whose crash is an error.
+    most : int or None
+        An input with more points is thinned out evenly to these when it has been read.
+    """
+
+    strict: bool = False
+    lenient: bool = False
+    isolate: bool = False
+    most: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class _Job:
     """What is done, maybe in a child process."""
 
@@ -48,8 +68,7 @@ class _Job:
     inputs: tuple[Path, ...]
     kept: tuple[Path, ...]  # files that must stay as they are: the script's first
     output: Path
-    how: Mapping[str, bool]
-    most: int | None
+    manner: Manner
 
     @property
     def steps(self) -> tuple[str, ...]:
@@ -61,11 +80,7 @@ def run_on_files(
     script: Path,
     inputs: Sequence[Path],
     output: Path,
-    *,
-    strict: bool,
-    lenient: bool,
-    isolate: bool,
-    most: int | None = None,
+    manner: Manner,
     progress: Progress,
 ) -> FileReport:
     """Run a script on files, and save the current layer, or all layers as a project.
@@ -78,12 +93,7 @@ def run_on_files(
         Without any, the script has to make the first layer.
     output : Path
         With the extension ``.mlp``, every layer is saved beside the project.
-    strict, lenient : bool
-        As ``run_script``.
-    isolate : bool
-        Work in a child process, whose crash is an error.
-    most : int, optional
-        An input with more points is thinned out evenly to these when it has been read.
+    manner : Manner
     progress : callable
 
     Raises
@@ -91,7 +101,7 @@ def run_on_files(
     FileError
         A file cannot be read or written, or has several layers that would have to be thinned out.
     ParameterError
-        ``most`` is too small.
+        ``manner.most`` is too small.
     SizeError
         The work would need more memory than there is; nothing was written.
     ScriptError
@@ -101,29 +111,29 @@ def run_on_files(
     """
     kept = [script, *(file for path in inputs for file in files_of(path))]
     check_output(output, kept, (*WRITABLE, PROJECT))
-    if most is not None:
-        check_most(most)
+    if manner.most is not None:
+        check_most(manner.most)
     # Before reading inputs, which is long; and once only, since a script may come through a pipe.
-    steps = checked_script(script, strict=strict, lenient=lenient)
-    how = {"strict": strict, "lenient": lenient}
-    job = _Job(steps, tuple(inputs), tuple(kept), output, how, most)
-    check_memory(job.kept[1:], most=most, steps=job.steps, work="the script")
-    if not isolate:
+    steps = checked_script(script, strict=manner.strict, lenient=manner.lenient)
+    job = _Job(steps, tuple(inputs), tuple(kept), output, manner)
+    check_memory(job.kept[1:], most=manner.most, steps=job.steps, work="the script")
+    if not manner.isolate:
         return _done(job, progress=progress)
     report: FileReport = isolated(_done, job, progress=progress, folders=[output.parent])
     return report
 
 
 def _done(job: _Job, *, progress: Progress) -> FileReport:
-    mesh_set = new_document()
+    mesh_set, manner = new_document(), job.manner
     thinned: list[Thinned] = []
     for path in job.inputs:
         progress(0.0, f"reading {path}")
-        thinned += _loaded(path, mesh_set, job.most, progress)
+        thinned += _loaded(path, mesh_set, manner.most, progress)
     _check_size(job, mesh_set)
-    report = run_steps(mesh_set, job.script, **job.how, progress=progress)
+    how = {"strict": manner.strict, "lenient": manner.lenient}
+    report = run_steps(mesh_set, job.script, **how, progress=progress)
     progress(1.0, f"writing {job.output}")
-    settings = {} if job.most is None else {"max_points": job.most}
+    settings = {} if manner.most is None else {"max_points": manner.most}
     record = record_of(mesh_set, job.kept[1:], settings)  # all but the script
     if job.output.suffix.lower() == f".{PROJECT}":
         save_project(mesh_set, job.output, job.kept, record=record)

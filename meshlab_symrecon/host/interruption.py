@@ -4,8 +4,9 @@ A signal raises :class:`Interruption` where Python code runs. Native code may ke
 for minutes, or swallow the exception; so a thread of the kernel listens too, and when the work has
 not come to its end by itself after :data:`GRACE` it kills child processes, removes what was being
 written, says so, and ends the process. When native code crashes, the thread does the same at once,
-and names the step that :func:`now_doing` was told. Only programs ask for this, by :func:`interruptible`; in a
-library's user's process nothing here has an effect. Elsewhere than on Posix signals are Python's.
+and names the step that :func:`now_doing` was told. Only programs ask for this, by
+:func:`interruptible`; in a library's user's process nothing here has an effect. Elsewhere than on
+Posix signals are Python's.
 """
 
 from __future__ import annotations
@@ -206,9 +207,7 @@ def guarded_log(descriptor: int) -> Iterator[None]:
         _native.guard_log(-1)
 
 
-def telling(
-    progress: Callable[[float, str], None], name: str = ""
-) -> Callable[[float, str], None]:
+def telling(progress: Callable[[float, str], None], name: str = "") -> Callable[[float, str], None]:
     """Return a progress callback from which ``now_doing`` learns what is being done.
 
     Parameters
