@@ -155,7 +155,7 @@ def test_nobody_believes_what_the_bytes_cannot_hold(tmp_path, name):
     path.write_bytes(heads(99_991_373)[name] + b"0 0 1 " * 3_000)
     assert announced_points(path) is None
     if not name.endswith((".e57", ".glb")):  # the readers of those have other words
-        with pytest.raises(FileError, match=r"is damaged: (its header|it) announces .*(follow|hold)"):
+        with pytest.raises(FileError, match=r"is damaged: it.* announces .*(follow|hold)"):
             load(path)
 
 
