@@ -7,12 +7,15 @@ used.
 from __future__ import annotations
 
 from importlib import import_module
-from os import PathLike
-from typing import TYPE_CHECKING, Any
 
 from meshlab_symrecon.errors import SymReconWarning
 
+TYPE_CHECKING = False  # typing takes longer to import than all of this; checkers know the name
+
 if TYPE_CHECKING:
+    from os import PathLike
+    from typing import Any
+
     from meshlab_symrecon.host.filter_script import FilterScript
     from meshlab_symrecon.host.registration import (
         apply_filter,

@@ -152,6 +152,7 @@ def _run(item: Any, files: Files, values: Mapping[str, Any], work: LongWork) -> 
     from meshlab_symrecon.cli import reports
     from meshlab_symrecon.host.atomic import together
     from meshlab_symrecon.host.files import load, new_document, save_current
+    from meshlab_symrecon.host.interruption import telling
     from meshlab_symrecon.host.records import record_of
     from meshlab_symrecon.host.registration import apply_filter
     from meshlab_symrecon.host.size import check_memory
@@ -170,7 +171,8 @@ def _run(item: Any, files: Files, values: Mapping[str, Any], work: LongWork) -> 
         before = {int(mesh.id()) for mesh in mesh_set}
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            measures = apply_filter(mesh_set, item.python_name, progress=progress, **values)
+            named = telling(progress, item.menu_name)
+            measures = apply_filter(mesh_set, item.python_name, progress=named, **values)
         made = _result_layer(mesh_set, item, before)
         if files.output is not None and made is not None:
             progress(1.0, f"writing {files.output}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -16,6 +17,7 @@ from meshlab_symrecon.errors import SymReconError, SymReconWarning
 __all__ = ["DONE", "FAILED", "INTERRUPTED", "BorderGroup", "exit_with", "sentence_of"]
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130  # 2 is click's, for wrong usage
+NO_MEMORY = "there is not enough memory for this; close programs or thin the scan out first"
 OF_SIGNALS = 128  # and the number of the signal: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP
 
 
@@ -119,20 +121,25 @@ def _code_of(call: Callable[[], Any]) -> int:
 def sentence_of(error: Exception) -> str | None:
     """Return one sentence for an error of the outside world; None for a mistake of ours."""
     if isinstance(error, SymReconError):
-        return str(error)
+        return _with_memory_in_words(str(error))
     if isinstance(error, ImportError) and error.name in ("pymeshlab", "pmeshlab"):
         return (
             f"pymeshlab cannot be loaded: {error}; install what it lacks, on a server without a "
             "screen often the packages libgl1 and libopengl0, or see docs/install.md"
         )
     if isinstance(error, MemoryError):
-        return "there is not enough memory for this; close programs or thin the scan out first"
+        return NO_MEMORY
     if isinstance(error, OSError):
         words = error.strerror or str(error)
         return f"{error.filename}: {words}" if error.filename else words
     if type(error).__module__.partition(".")[0] == "pymeshlab":
-        return "MeshLab: " + " ".join(str(error).split())
+        return _with_memory_in_words("MeshLab: " + " ".join(str(error).split()))
     return None
+
+
+def _with_memory_in_words(sentence: str) -> str:
+    """Return a sentence with our words where native code has told that memory ran out."""
+    return re.sub(r"std::bad_(array_new_length|alloc)\b.*", NO_MEMORY, sentence)
 
 
 @contextmanager

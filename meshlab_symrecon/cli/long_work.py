@@ -60,9 +60,15 @@ class LongWork:
 
     @contextmanager
     def progress(self, title: str) -> Iterator[Progress]:
-        """Show how far the work in a block is, on a terminal; each stage goes into the log."""
+        """Show how far the work in a block is, on a terminal; each stage goes into the log.
+
+        A crash of native code is told with the last message.
+        """
+        from meshlab_symrecon.host.interruption import now_doing, telling
+
         with progress_bar(title, shown=not self.quiet, stage=self._stage) as progress:
-            yield progress
+            yield telling(progress)
+        now_doing("")
         self._stage("")
 
     def _stage(self, name: str) -> None:

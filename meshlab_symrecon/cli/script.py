@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from meshlab_symrecon.cli.long_work import LongWork, long_work
+from meshlab_symrecon.cli.long_work import LongWork, long_work, max_points_option
 
 __all__ = ["run"]
 
@@ -32,12 +32,14 @@ __all__ = ["run"]
     "--json", "report", type=click.Path(path_type=Path), metavar="R.json",
     help="Also save what became of every step.",
 )  # fmt: skip
+@max_points_option
 @long_work
 def run(
     script: Path,
     inputs: tuple[Path, ...],
     output: Path,
     report: Path | None,
+    max_points: int | None,
     *,
     work: LongWork,
     **how: bool,
@@ -49,7 +51,7 @@ def run(
     anything runs.
     """
     from meshlab_symrecon.cli.reports import plain, write_json
-    from meshlab_symrecon.host.file_job import run_on_files
+    from meshlab_symrecon.host.file_job import Manner, run_on_files
     from meshlab_symrecon.host.files import check_output
     from meshlab_symrecon.host.projects import files_of
 
@@ -59,10 +61,14 @@ def run(
         kept = [file for path in inputs for file in files_of(path)]
         check_output(report, [script, *kept, output], ())
     with work.progress(script.name) as progress:
-        result = run_on_files(script, inputs, output, **how, progress=progress)
+        manner = Manner(**how, most=max_points)
+        result = run_on_files(script, inputs, output, manner, progress)
     if report is not None:
         files = {"inputs": [str(path) for path in inputs], "output": str(output)}
-        write_json(report, plain(result) | files)
+        settings = {} if max_points is None else {"max_points": max_points}
+        write_json(report, plain(result) | files | settings)
+    for thinned in result.thinned:
+        work.say(f"{thinned.path}: thinned out from {thinned.measured} to {thinned.points} points")
     for step in result.steps:
         for line in _in_words(step):
             work.say(line)

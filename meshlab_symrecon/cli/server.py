@@ -83,8 +83,10 @@ def _tried(job: Job, checked: Checked) -> tuple[Any, ...]:
 def _load(item: Load, checked: Checked, mesh_set: Any) -> dict[int, Path]:
     """Load a file or a project; return the file of each new layer, by its identifier."""
     from meshlab_symrecon.host.files import load
+    from meshlab_symrecon.host.interruption import now_doing
     from meshlab_symrecon.host.projects import load_layers
 
+    now_doing(f"reading {item.path}")
     if item.project:
         return load_layers(checked.projects[item.path], mesh_set)
     before = {int(mesh.id()) for mesh in mesh_set}
@@ -186,13 +188,15 @@ class _Run:
             _identifier_of(self.mesh_set, output)
 
     def run_scripts(self, log: Any) -> None:
+        from meshlab_symrecon.host.interruption import telling
         from meshlab_symrecon.host.script import run_steps
 
         for script in self.checked.scripts:
             with log.listening(self.journal.say) as relay:
                 result = run_steps(
                     self.mesh_set, script,
-                    strict=self.job.strict, lenient=self.job.lenient, progress=relay,
+                    strict=self.job.strict, lenient=self.job.lenient,
+                    progress=telling(relay),
                 )  # fmt: skip
             self.reports.append(result)
             for step in result.steps:
@@ -211,9 +215,11 @@ class _Run:
             bake_layer(self.mesh_set, identifier)
 
     def save_project(self, number: int) -> bool:
+        from meshlab_symrecon.host.interruption import now_doing
         from meshlab_symrecon.host.project_copy import copied_files, save_project_copy
 
         wanted = self.job.projects[number]
+        now_doing(f"writing {wanted.path}")
         middle = "" if wanted.overwrite else "_out" + (str(number) if number else "")
         labels = {int(mesh.id()): mesh.label() for mesh in self.mesh_set}
         files = copied_files(wanted.path, labels, self.origins, middle)
@@ -246,9 +252,11 @@ class _Run:
     def export(self, identifier: int, output: Output) -> None:
         from meshlab_symrecon.host.atomic import replacing
         from meshlab_symrecon.host.export import export_layer, write_all
+        from meshlab_symrecon.host.interruption import now_doing
         from meshlab_symrecon.host.mask import TEXT, passed_over, save_options
         from meshlab_symrecon.host.notices import warn_user
 
+        now_doing(f"writing {output.path}")
         extension = output.path.suffix.removeprefix(".").lower()
         lost = passed_over(extension, output.mask)
         if lost:

@@ -42,6 +42,8 @@ class Journal:
 def journal_of(words: Sequence[str], log: Path | None) -> Iterator[Journal]:
     """Yield a journal; append it to the log file at the end, however the block ends.
 
+    When native code ends the process, the log file gets that one line.
+
     Raises
     ------
     FileError
@@ -50,7 +52,7 @@ def journal_of(words: Sequence[str], log: Path | None) -> Iterator[Journal]:
     journal = Journal()
     file = None if log is None else log.absolute()  # a reader that fails changes the directory
     try:
-        with _warnings_kept(journal):
+        with _open_for_a_crash(file), _warnings_kept(journal):
             yield journal
     except BaseException as error:
         journal.keep(f"error: {error}" if str(error) else f"ended by {type(error).__name__}")
@@ -58,6 +60,21 @@ def journal_of(words: Sequence[str], log: Path | None) -> Iterator[Journal]:
     finally:
         if file is not None:
             _append(file, words, journal.lines)
+
+
+@contextmanager
+def _open_for_a_crash(log: Path | None) -> Iterator[None]:
+    if log is None:
+        yield
+        return
+    from meshlab_symrecon.host.interruption import guarded_log
+
+    try:
+        file = log.open("ab", buffering=0)
+    except OSError as error:
+        raise _unwritable(log, error) from error
+    with file, guarded_log(file.fileno()):
+        yield
 
 
 @contextmanager
@@ -81,5 +98,8 @@ def _append(log: Path, words: Sequence[str], lines: Sequence[str]) -> None:
         with log.open("a", encoding="utf-8", errors="backslashreplace") as file:
             file.write(text)
     except OSError as error:
-        message = f"log {log} cannot be written: {error.strerror}; check its path"
-        raise FileError(message) from error
+        raise _unwritable(log, error) from error
+
+
+def _unwritable(log: Path, error: OSError) -> FileError:
+    return FileError(f"log {log} cannot be written: {error.strerror}; check its path")

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
-from types import FrameType
+
+TYPE_CHECKING = False  # importing typing would take as long as all that comes before
+
+if TYPE_CHECKING:
+    from types import FrameType
 
 __all__ = ["server", "symrecon"]
 

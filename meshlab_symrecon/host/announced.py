@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from meshlab_symrecon.errors import FileError
-from meshlab_symrecon.host.ply_header import read_header
+from meshlab_symrecon.host.ply_header import Header, read_header
 
 __all__ = ["Announced", "announced_points"]
 
@@ -48,8 +48,8 @@ def announced_points(path: str | Path) -> Announced | None:
     Returns
     -------
     Announced or None
-        None for a format that does not tell, and for a file that is damaged or cannot be read:
-        what is wrong with it, the reader says.
+        None for a format that does not tell, and for a file that is damaged, has not the bytes
+        for what it announces, or cannot be read: what is wrong with it, the reader says.
     """
     path = Path(path)
     extension = path.suffix.removeprefix(".").lower()
@@ -65,9 +65,21 @@ def announced_points(path: str | Path) -> Announced | None:
 def _ply(path: Path) -> Announced | None:
     header = read_header(path)
     vertex, face = header.element("vertex"), header.element("face")
-    if vertex is None:
+    if vertex is None or _data_size(header) > path.stat().st_size - header.start:
         return None
     return Announced(vertex.count, 0 if face is None else face.count)
+
+
+def _data_size(header: Header) -> int:
+    """Return how many bytes the data of a PLY file takes at least."""
+    if header.form == "ascii":
+        return _text_size(sum(element.least_words for element in header.elements))
+    return sum(element.least_bytes for element in header.elements)
+
+
+def _text_size(numbers: int) -> int:
+    """Return how many bytes numbers take at least: a digit each, and what parts them."""
+    return max(0, 2 * numbers - 1)
 
 
 def _off(path: Path) -> Announced | None:
@@ -75,10 +87,13 @@ def _off(path: Path) -> Announced | None:
         beginning = file.read(BEGINNING)
     without_comments = re.sub(rb"#[^\n]*", b"", beginning)
     words = OFF_WORDS.sub(b"", without_comments, count=1).split(None, 3)
-    return Announced(max(0, int(words[0])), max(0, int(words[1])))
+    points, faces = max(0, int(words[0])), max(0, int(words[1]))
+    if _text_size(3 * points + 2 * faces) > path.stat().st_size:
+        return None
+    return Announced(points, faces)
 
 
-def _stl(path: Path) -> Announced:
+def _stl(path: Path) -> Announced | None:
     """Count triangles; each point of a closed mesh is in six, and MeshLab joins equal ones."""
     with path.open("rb") as file:
         beginning = file.read(1024)
@@ -88,6 +103,8 @@ def _stl(path: Path) -> Announced:
     if len(beginning) < STL_HEADER:
         raise ValueError(beginning)
     faces = int.from_bytes(beginning[80:STL_HEADER], "little")
+    if path.stat().st_size < STL_HEADER + STL_TRIANGLE * faces:
+        return None
     return Announced(faces // 2, faces, exact=False)
 
 
@@ -141,8 +158,13 @@ def _e57(path: Path) -> Announced | None:
     kept = E57_PAGE - E57_CHECKSUM
     pages = (content[at : at + kept] for at in range(0, len(content), E57_PAGE))
     xml = b"".join(pages)[start % E57_PAGE :][:length]
-    counts = E57_COUNT.findall(xml)
-    return Announced(sum(map(int, counts))) if counts else None
+    counts = [int(count) for count in E57_COUNT.findall(xml)]
+    return Announced(sum(counts)) if counts and _may_hold(path, sum(counts)) else None
+
+
+def _may_hold(path: Path, points: int) -> bool:
+    """Say whether a packed file is large enough: a point that differs from others takes a bit."""
+    return points <= 8 * path.stat().st_size
 
 
 def _gltf(path: Path) -> Announced:
@@ -155,7 +177,8 @@ def _glb(path: Path) -> Announced | None:
         if header[:4] != b"glTF" or header[16:] != GLB_JSON:
             return None
         text = file.read(int.from_bytes(header[12:16], "little"))
-    return _in_accessors(json.loads(text))
+    found = _in_accessors(json.loads(text))
+    return found if _may_hold(path, found.points) else None
 
 
 def _in_accessors(document: Any) -> Announced:

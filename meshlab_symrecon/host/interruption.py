@@ -3,8 +3,10 @@
 A signal raises :class:`Interruption` where Python code runs. Native code may keep Python waiting
 for minutes, or swallow the exception; so a thread of the kernel listens too, and when the work has
 not come to its end by itself after :data:`GRACE` it kills child processes, removes what was being
-written, says so, and ends the process. Only programs ask for this, by :func:`interruptible`; in a
-library's user's process nothing here has an effect. Elsewhere than on Posix signals are Python's.
+written, says so, and ends the process. When native code crashes, the thread does the same at once,
+and names the step that :func:`now_doing` was told. Only programs ask for this, by
+:func:`interruptible`; in a library's user's process nothing here has an effect. Elsewhere than on
+Posix signals are Python's.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ import shutil
 import signal
 import tempfile
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,7 +34,9 @@ __all__ = [
     "guarded_log",
     "interruptible",
     "interruption_settled",
+    "now_doing",
     "signal_of_interruption",
+    "telling",
     "unbroken",
     "unhurried",
 ]
@@ -40,6 +44,7 @@ __all__ = [
 SENTENCE = "interrupted; nothing was left half-written"
 GRACE = 0.4  # seconds until the kernel's thread ends what does not end by itself
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
+LONGEST_STEP = 1000  # bytes; the kernel has room for a few more
 
 
 class Interruption(KeyboardInterrupt):
@@ -66,6 +71,9 @@ _state = _State()
 @contextmanager
 def interruptible() -> Iterator[None]:
     """Let SIGINT, SIGTERM and SIGHUP end the work in this block, within a second.
+
+    A crash of native code (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) ends the process at once with
+    exit code 1 and a sentence, in whichever thread it happens.
 
     The first of them raises :class:`Interruption`; further ones are ignored, so that impatience
     does not tear the tidying up. Signals that are ignored when the block begins (``nohup``, the
@@ -197,6 +205,39 @@ def guarded_log(descriptor: int) -> Iterator[None]:
         yield
     finally:
         _native.guard_log(-1)
+
+
+def telling(progress: Callable[[float, str], None], name: str = "") -> Callable[[float, str], None]:
+    """Return a progress callback from which ``now_doing`` learns what is being done.
+
+    Parameters
+    ----------
+    progress : callable
+        Is called in turn.
+    name : str
+        What is being done in all; messages are its stages.
+    """
+    last = name
+
+    def told(fraction: float, message: str) -> None:
+        nonlocal last
+        if message != last:
+            last = message
+            stages = [name, message] if message != name else [name]
+            now_doing(": ".join(filter(None, stages)))
+        progress(fraction, message)
+
+    if name:
+        now_doing(name)
+    return told
+
+
+def now_doing(step: str) -> None:
+    """Say what is being done, for the sentence about a crash; nothing when it is not known."""
+    if _state.watching:
+        line = " ".join(step.split()).encode("utf-8", "backslashreplace")
+        whole = line[:LONGEST_STEP].decode("utf-8", "ignore").encode()  # no half of a character
+        _native.tell_step(whole.replace(b"\0", b" "))
 
 
 @contextmanager

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from meshlab_symrecon.errors import SizeError, UnknownFilterError
@@ -44,14 +45,14 @@ class Cost:
         While it runs, on top of the document.
     kept : int
         What its new layers add to the document.
-    points : float
-        The next step's points for each of this one's.
+    points : float or None
+        The next step's points for each of this one's; None when nobody knows.
     """
 
     base: int
     work: int
     kept: int = 0
-    points: float = 1.0
+    points: float | None = 1.0
 
 
 # Measured with ``benchmarks/growth.py``: the peak of resident memory of a process of its own for
@@ -65,17 +66,24 @@ COSTS = {
     # A statue of which a sixth is missing has a fifth more points afterwards.
     "generate_mirror_completed_points": Cost(260 * MEGABYTE, 430, kept=130, points=1.2),
     "generate_surface_reconstruction_power_crust": Cost(60 * MEGABYTE, 2_200, kept=500, points=2.2),
-    "generate_simplified_points": Cost(60 * MEGABYTE, 900, kept=90),
+    "generate_simplified_points": Cost(60 * MEGABYTE, 900, kept=90, points=None),
     "compute_scalar_by_mirror_symmetry_per_vertex": Cost(160 * MEGABYTE, 350, kept=16),
 }
-ANY = Cost(0, 250)  # a filter that nothing is known of: two more copies of the layer
+ANY = Cost(0, 250, points=None)  # a filter that nothing is known of: two more copies of the layer
+# Filters that leave the current layer about as large as it was.
+KEEPING = re.compile(
+    r"(?:compute|apply|set|get|transfer)_|meshing_(?:re_orient|invert|repair|poly_to_tri|"
+    r"close_holes|remove_(?:duplicate|unreferenced|null|folded))"
+)
 
 
 def memory_needed(points: int, faces: int = 0, steps: Sequence[str] = RECONSTRUCT) -> int:
     """Estimate the memory of a job, in bytes of the whole process.
 
     The estimate is an upper bound for scans of which up to a sixth is missing: reading,
-    the steps one after the other on the layer that the step before has made, and writing.
+    the steps one after the other on the layer that the step before has made, and writing. After a
+    step of which nobody knows how many points it leaves, as a simplification, no further ones
+    are looked at.
 
     Parameters
     ----------
@@ -92,6 +100,8 @@ def memory_needed(points: int, faces: int = 0, steps: Sequence[str] = RECONSTRUC
         cost = _cost(step)
         peak = max(peak, document + cost.base + cost.work * count)
         document += cost.kept * count
+        if cost.points is None:
+            return PROCESS + int(max(peak, document))
         count *= cost.points
     return PROCESS + int(max(peak, document + SAVED_POINT * count))
 
@@ -101,7 +111,10 @@ def _cost(step: str) -> Cost:
         found = known_today(step)
     except UnknownFilterError:
         found = None
-    return ANY if found is None else COSTS.get(found.python_name, ANY)
+    name = "" if found is None else found.python_name
+    if name in COSTS:
+        return COSTS[name]
+    return replace(ANY, points=1.0) if KEEPING.match(name) else ANY
 
 
 def check_memory(

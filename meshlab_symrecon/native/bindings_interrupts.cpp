@@ -2,10 +2,11 @@
 //
 // Python's own handler writes the number of each signal into a pipe (signal.set_wakeup_fd), even while no Python code
 // can run. A thread reads it there. When the work has not come to an end by itself after a grace, the thread removes
-// what the process was writing, says so, and ends the process.
+// what the process was writing, says so, and ends the process. It does so at once when native code has crashed.
 #include <nanobind/stl/string.h>
 
 #include "bindings.hpp"
+#include "crash_signals.hpp"
 
 #ifndef _WIN32
 
@@ -19,6 +20,7 @@
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <mutex>
@@ -42,6 +44,8 @@ constexpr auto longest_replacing = 5s;  // renames take microseconds, but on a n
 constexpr auto longest_dying = 200ms;   // of a child that was killed
 constexpr int sweeps = 20;              // the work goes on, and may write into a folder while it is removed
 constexpr int exit_code_of_signals = 128;
+constexpr auto longest_replacing_of_crashed = 1s;  // within the patience of the crashed thread
+constexpr int exit_code_of_crashes = 1;
 
 // Write what fits, without waiting for a reader that has stopped reading.
 void write_text(int descriptor, const std::string& text) {
@@ -50,6 +54,8 @@ void write_text(int descriptor, const std::string& text) {
   const ssize_t written = write(descriptor, text.data(), text.size());
   (void)written;
 }
+
+void watch_over_exit();
 
 class Watch {
  public:
@@ -63,6 +69,7 @@ class Watch {
     sentence_ = std::move(sentence);
     watching_ = true;
     reached_ = false;
+    catch_crashes(pipe_[1], said_to_);
     return pipe_[1];
   }
 
@@ -72,6 +79,7 @@ class Watch {
     folders_.clear();
     children_.clear();
     log_ = -1;
+    let_crashes_be();
     changed_.notify_all();
   }
 
@@ -96,12 +104,20 @@ class Watch {
   void guard_log(int descriptor) {
     const std::lock_guard lock(mutex_);
     log_ = descriptor;
+    crash_log(descriptor);
   }
 
   void replacing(bool begins) {
     const std::lock_guard lock(mutex_);
     replacing_ += begins ? 1 : -1;
+    crash_files(replacing_ ? Files::taking_their_places : Files::some_written);
     changed_.notify_all();
+  }
+
+  // Native code has called exit() amid the work, as OpenBLAS does when there is no memory left.
+  void end_at_exit() {
+    if (getpid() != process_ || !watching_) return;
+    answer_crash(no_signal);
   }
 
   void sweep() {
@@ -115,6 +131,7 @@ class Watch {
     for (const int end : pipe_) fcntl(end, F_SETFD, FD_CLOEXEC);
     fcntl(pipe_[1], F_SETFL, O_NONBLOCK);  // as signal.set_wakeup_fd wants it
     std::thread([this] { wait_for_signals(); }).detach();
+    std::atexit([] { watch_over_exit(); });
   }
 
   void wait_for_signals() {
@@ -126,8 +143,22 @@ class Watch {
       const ssize_t got = read(pipe_[0], &number, 1);
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) return;
-      if (number == SIGINT || number == SIGTERM || number == SIGHUP) answer(number);
+      if (number == SIGINT || number == SIGTERM || number == SIGHUP)
+        answer(number);
+      else
+        answer_crash(number);
     }
+  }
+
+  void answer_crash(int number) {
+    std::unique_lock lock(mutex_);
+    if (!watching_) return;
+    changed_.wait_for(lock, longest_replacing_of_crashed, [this] { return replacing_ == 0; });
+    tidy_up();
+    const std::string sentence = take_crash_sentence(number);
+    if (!sentence.empty()) say(sentence);
+    remove_guarded();
+    _exit(exit_code_of_crashes);
   }
 
   void answer(int number) {
@@ -135,10 +166,14 @@ class Watch {
     const auto over = [this] { return reached_ || !watching_; };
     if (changed_.wait_for(lock, grace_, over)) return;
     changed_.wait_for(lock, longest_replacing, [this] { return replacing_ == 0; });
-    if (!over()) end_process(number);  // with the lock, so that nothing more is begun
+    if (over()) return;
+    tidy_up();  // with the lock, so that nothing more is begun
+    say(sentence_);
+    remove_guarded();
+    _exit(exit_code_of_signals + number);
   }
 
-  [[noreturn]] void end_process(int number) {
+  void tidy_up() {
     for (const int child : children_) {
       kill(-child, SIGKILL);  // it leads a group, its own children
       kill(child, SIGKILL);
@@ -148,15 +183,16 @@ class Watch {
       while (waitpid(child, nullptr, WNOHANG) == 0 && std::chrono::steady_clock::now() < enough)
         std::this_thread::sleep_for(1ms);
     remove_guarded();
+  }
+
+  void say(const std::string& sentence) {
     char time[32] = "";
     const std::time_t now = std::time(nullptr);
     std::tm local{};
     if (localtime_r(&now, &local) != nullptr) std::strftime(time, sizeof time, "%Y-%m-%d %H:%M:%S ", &local);
-    write_text(log_, time + sentence_ + "\n");
+    write_text(log_, time + sentence + "\n");
     const bool seen = said_to_ >= 0 && isatty(said_to_) != 0;
-    write_text(said_to_, (seen ? "\r\x1b[2K\x1b[?25h" : "") + sentence_ + "\n");  // clear the bar, show the cursor
-    remove_guarded();
-    _exit(exit_code_of_signals + number);
+    write_text(said_to_, (seen ? "\r\x1b[2K\x1b[?25h" : "") + sentence + "\n");  // clear the bar, show the cursor
   }
 
   void remove_guarded() {
@@ -179,6 +215,7 @@ class Watch {
     return all;
   }
 
+  const pid_t process_ = getpid();
   std::mutex mutex_;
   std::condition_variable changed_;
   int pipe_[2] = {-1, -1};
@@ -197,6 +234,8 @@ Watch& watch() {
   static Watch* const only = new Watch;  // never deleted: its thread may outlive everything else
   return *only;
 }
+
+void watch_over_exit() { watch().end_at_exit(); }
 
 // The lock may be held for good, by a thread that is ending the process.
 template <class Work>
@@ -230,6 +269,7 @@ void guard_replacing(bool begins) {
 void sweep_guarded() {
   patiently([] { watch().sweep(); });
 }
+void tell_step(const nanobind::bytes& step) { crash_step(std::string(step.c_str(), step.size())); }
 
 #else  // Windows: signals are Python's business alone
 
@@ -241,6 +281,7 @@ void guard_process(int, bool) {}
 void guard_log(int) {}
 void guard_replacing(bool) {}
 void sweep_guarded() {}
+void tell_step(const nanobind::bytes&) {}
 
 #endif
 
@@ -256,6 +297,7 @@ void bind_interrupts(nanobind::module_& module) {
   module.def("guard_log", &guard_log, arg("descriptor"));
   module.def("guard_replacing", &guard_replacing, arg("begins"));
   module.def("sweep_guarded", &sweep_guarded);
+  module.def("tell_step", &tell_step, arg("step"));
 }
 
 }  // namespace symrecon

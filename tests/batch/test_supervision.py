@@ -84,10 +84,12 @@ def test_a_bad_scan(tmp_path, job, monkeypatch, count, limits, status, words):
 
 def test_a_scan_that_is_too_large_is_told_before_the_work(tmp_path, job):
     one = job(60, Limits(memory=1 << 30))
-    one.scan.write_bytes(one.scan.read_bytes().replace(b"vertex 60", b"vertex 90000000"))
+    one.scan.write_bytes(one.scan.read_bytes().replace(b"vertex 60", b"vertex 5000000"))
+    with one.scan.open("ab") as file:
+        file.truncate(6 * 5_000_000 + 1000)  # what so many points take at least
     report = supervised(one)
     assert report.status == "too large"
-    assert "90000000 points" in report.error
+    assert "5000000 points" in report.error
     assert "--max-points" in report.error
 
 

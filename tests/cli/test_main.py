@@ -16,7 +16,7 @@ import meshlab_symrecon
 from meshlab_symrecon.cli.border import BorderGroup
 from meshlab_symrecon.cli.progress import progress_bar
 from meshlab_symrecon.cli.reports import detection, plain
-from meshlab_symrecon.errors import FileError, ParameterError
+from meshlab_symrecon.errors import FileError, HostError, ParameterError
 from meshlab_symrecon.host.native_filters import native_filters
 from meshlab_symrecon.host.registration import registry
 from meshlab_symrecon.plugin.documentation import describe
@@ -45,6 +45,10 @@ class Foreign(Exception):
         (FileError("a.ply is empty"), 1, "error: a.ply is empty"),
         (OSError(28, "No space left", "a.ply"), 1, "error: a.ply: No space left"),
         (OSError("odd"), 1, "error: odd"),
+        (HostError("s.mlx:3: 'X': std::bad_alloc; look for it"), 1, "error: s.mlx:3: 'X': there is "
+         "not enough memory for this; close programs or thin the scan out first"),
+        (Foreign("std::bad_array_new_length"), 1, "error: MeshLab: there is not enough memory for "
+         "this; close programs or thin the scan out first"),
         (MemoryError(), 1, "error: there is not enough memory for this; close programs or thin the "
          "scan out first"),
         (ImportError("libGL.so.1: no such file", name="pmeshlab"), 1, "error: pymeshlab cannot be "

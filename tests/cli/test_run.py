@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -303,3 +304,91 @@ def test_everything_that_a_step_measures_is_in_the_report(run, lopsided, tmp_pat
     assert measures["mesh_volume"] > 0
     assert np.shape(measures["inertia_tensor"]) == (3, 3)
     assert "mesh_volume:" in result.stdout
+
+
+SMOOTH = (
+    "<!DOCTYPE FilterScript><FilterScript>"
+    '<filter name="Remove Duplicate Vertices"/><filter name="Compute normals for point sets"/>'
+    "</FilterScript>"
+)
+
+
+@pytest.fixture
+def normals(tmp_path):
+    path = tmp_path / "normals.mlx"
+    path.write_text(SMOOTH)
+    return path
+
+
+def test_inputs_are_thinned_out_first_and_that_is_told(run, normals, statue, tmp_path):
+    small, out, report = (tmp_path / name for name in ("small.xyz", "o.mlp", "r.json"))
+    small.write_text("".join(f"{x} {x * x} {x % 7}\n" for x in range(300)))
+    whole = {tuple(row) for row in read_layer(load(statue), 0).points.tolist()}
+    words = ("run", normals, statue, small, "-o", out, "--json", report, "--max-points", 1000)
+    for more in ((), ("--isolate",)):
+        result = run(*words, *more)
+        assert result.exit_code == 0, result.stderr
+        told = json.loads(report.read_text(encoding="utf-8"))
+        (thinned,) = told["thinned"]
+        assert told["max_points"] == 1000
+        assert (thinned["path"], thinned["measured"]) == (str(statue), len(whole))
+        assert 900 < thinned["points"] <= 1000
+        numbers = f"thinned out from {len(whole)} to {thinned['points']} points"
+        assert f"{statue}: {numbers}\n" in result.stdout
+        layers = [mesh.vertex_matrix() for mesh in load_project(out)]
+        assert [len(points) for points in layers] == [thinned["points"], 300]
+        assert {tuple(row) for row in layers[0].tolist()} < whole
+    written = next(path for path in tmp_path.glob("o*.ply"))
+    assert re.search(rb"max_points\W+1000", written.read_bytes().partition(b"end_header")[0])
+
+
+def test_too_few_points_to_thin_out_to(run, normals, statue, tmp_path):
+    result = run("run", normals, statue, "-o", tmp_path / "o.ply", "--max-points", 99)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert "a scan must keep at least 100 points; got 99" in result.stderr
+
+
+def test_layers_whose_order_would_change_are_not_thinned_out(run, normals, statue, tmp_path):
+    (tmp_path / "few.xyz").write_text("".join(f"{x} {x * x} {x % 7}\n" for x in range(300)))
+    both = tmp_path / "both.mlp"
+    assert run("run", normals, statue, tmp_path / "few.xyz", "-o", both).exit_code == 0
+    result = run("run", normals, both, "-o", tmp_path / "o.ply", "--max-points", 1000)
+    assert result.exit_code == 1
+    assert f"error: {both} holds 2 layers, and another one than the last has" in result.stderr
+    assert run("run", normals, both, "-o", tmp_path / "o.ply").exit_code == 0
+
+
+def sparse(path, points):
+    """Write a file of many points, all of them in a hole of the file."""
+    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {points}\n"
+    header += "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"
+    with path.open("wb") as file:
+        file.write(header.encode())
+        file.truncate(len(header) + 12 * points)
+    return path
+
+
+@pytest.mark.parametrize("more", [(), ("--isolate",), ("--max-points", "1000")])
+def test_a_scan_that_is_too_large_is_refused_before_it_is_read(run, normals, tmp_path, more):
+    scan = sparse(tmp_path / "large.ply", 3 * 10**9)
+    result = run("run", normals, scan, "-o", tmp_path / "o.ply", *more)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr.startswith(f"error: {scan} has 3000000000 points; reading them alone")
+    assert not (tmp_path / "o.ply").exists()
+
+
+def test_a_size_that_was_not_announced_is_checked_after_loading(run, statue, tmp_path, monkeypatch):
+    made = tmp_path / "crust.mlx"
+    made.write_text(SMOOTH.replace("</Filt", '<filter name="power_crust_reconstruct"/></Filt'))
+    monkeypatch.setattr("meshlab_symrecon.host.size.announced_points", lambda path: None)
+    monkeypatch.setattr("meshlab_symrecon.host.size.available_memory", lambda: 10**6)
+    result = run("run", made, statue, "-o", tmp_path / "o.ply")
+    assert result.exit_code == 1
+    assert re.match(rf"error: {re.escape(str(statue))}: \d+ points need about ", result.stderr)
+
+
+def test_no_memory_is_asked_for_without_inputs(run, tmp_path, monkeypatch):
+    monkeypatch.setattr("meshlab_symrecon.host.size.available_memory", lambda: 0)
+    script = tmp_path / "cube.mlx"
+    script.write_text('<FilterScript><filter name="Box/Cube"/></FilterScript>')
+    assert run("run", script, "-o", tmp_path / "o.ply").exit_code == 0

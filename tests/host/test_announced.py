@@ -9,6 +9,7 @@ import numpy as np
 import pymeshlab
 import pytest
 
+from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.announced import Announced, announced_points
 from meshlab_symrecon.host.files import load, save_current
 
@@ -85,8 +86,8 @@ def e57(counts):
 
 def test_the_scans_of_an_e57_file_add_up(tmp_path):
     path = tmp_path / "scans.e57"
-    path.write_bytes(e57([12_000_000, 34]))
-    assert announced_points(path) == Announced(12_000_034)
+    path.write_bytes(e57([12_000, 34]))
+    assert announced_points(path) == Announced(12_034)
 
 
 def gltf():
@@ -128,6 +129,46 @@ def test_what_does_not_tell_is_left_to_the_reader(tmp_path, name, content):
     assert announced_points(path) is None
 
 
+def heads(count):
+    """Return files that announce many points, or triangles, and a few bytes of data."""
+    properties = "".join(f"property float {axis}\n" for axis in "xyz")
+    ply = f"ply\nformat %s 1.0\nelement vertex {count}\n{properties}end_header\n"
+    text = json.dumps(
+        {
+            "accessors": [{"count": count}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        }
+    ).encode()
+    return {
+        "ascii.ply": (ply % "ascii").encode(),
+        "binary.ply": (ply % "binary_little_endian").encode(),
+        "a.off": f"OFF\n{count} 0 0\n".encode(),
+        "a.stl": bytes(80) + struct.pack("<I", count),
+        "a.e57": e57([count]),
+        "a.glb": struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text), len(text), b"JSON") + text,
+    }
+
+
+@pytest.mark.parametrize("name", heads(0))
+def test_nobody_believes_what_the_bytes_cannot_hold(tmp_path, name):
+    path = tmp_path / name
+    path.write_bytes(heads(99_991_373)[name] + b"0 0 1 " * 3_000)
+    assert announced_points(path) is None
+    if not name.endswith((".e57", ".glb")):  # the readers of those have other words
+        with pytest.raises(FileError, match=r"is damaged: it.* announces .*(follow|hold)"):
+            load(path)
+
+
+@pytest.mark.parametrize(("form", "size"), [("ascii", 2 * 3 * 1000 - 1), ("binary", 12 * 1000)])
+def test_the_least_bytes_are_enough(tmp_path, form, size):
+    name = f"{form}.ply"
+    path = tmp_path / name
+    path.write_bytes(heads(1000)[name] + b"0 " * (size // 2) + b"0" * (size % 2))
+    assert announced_points(path) == Announced(1000)
+    path.write_bytes(path.read_bytes()[:-1])
+    assert announced_points(path) is None
+
+
 def test_a_missing_file_announces_nothing(tmp_path):
     assert announced_points(tmp_path / "none.ply") is None
     assert announced_points(tmp_path / "none.xyz") is None
@@ -136,5 +177,5 @@ def test_a_missing_file_announces_nothing(tmp_path):
 @pytest.mark.parametrize("beginning", ["OFF\n", "OFF ", "# made by hand\nCOFF\n# sizes\n", "NOFF "])
 def test_the_words_before_the_sizes_of_an_off_file(tmp_path, beginning):
     path = tmp_path / "a.off"
-    path.write_text(beginning + "12 20 0\n0 0 0\n", encoding="utf-8")
+    path.write_text(beginning + "12 20 0\n" + 12 * "0 0 0\n" + 20 * "3 0 0 0\n", encoding="utf-8")
     assert announced_points(path) == Announced(12, 20)

@@ -13,7 +13,7 @@ import survival_inputs as inputs
 
 from meshlab_symrecon.errors import FileError, HostError, ScriptError, SymReconWarning
 from meshlab_symrecon.host.atomic import remove_staging, replacing
-from meshlab_symrecon.host.file_job import run_on_files
+from meshlab_symrecon.host.file_job import Manner, run_on_files
 from meshlab_symrecon.host.files import load
 from meshlab_symrecon.host.filter_script import FilterScript
 from meshlab_symrecon.host.mlx import Script
@@ -28,7 +28,7 @@ HALVE = (
     '<Param type="RichFloat" name="axisX" value="0.5"/></filter>'
 )
 MEASURE = '<filter name="Compute Geometric Measures"/>'
-HOW = {"strict": False, "lenient": False, "isolate": True, "progress": silent}
+HOW = {"manner": Manner(isolate=True), "progress": silent}
 
 
 @pytest.fixture
@@ -70,7 +70,7 @@ def test_a_child_gives_the_same_bytes_and_the_same_report(tmp_path, sphere):
     script = script_of(tmp_path, HALVE, MEASURE)
     told = []
     here, there = tmp_path / "here.ply", tmp_path / "there.ply"
-    near = run_on_files(script, [sphere], here, **HOW | {"isolate": False})
+    near = run_on_files(script, [sphere], here, **HOW | {"manner": Manner()})
     far = run_on_files(
         script, [sphere], there, **HOW | {"progress": lambda *what: told.append(what)}
     )

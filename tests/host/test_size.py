@@ -29,14 +29,16 @@ DETECT = RECONSTRUCT[:2]
 
 
 def announcing(folder, points, faces=0, name="scan.ply"):
-    """Write a file whose header announces points; nothing follows."""
+    """Write a file whose header announces points, with a hole of their size behind it."""
     path = folder / name
-    path.write_text(
+    header = (
         f"ply\nformat ascii 1.0\nelement vertex {points}\nproperty float x\nproperty float y\n"
         f"property float z\nelement face {faces}\nproperty list uchar int vertex_indices\n"
-        "end_header\n",
-        encoding="ascii",
+        "end_header\n"
     )
+    with path.open("wb") as file:
+        file.write(header.encode())
+        file.truncate(len(header) + 6 * points + 2 * faces)
     return path
 
 
@@ -59,6 +61,15 @@ def test_filters_are_known_by_all_their_names():
     names = ("power_crust_reconstruct", "Surface Reconstruction: Power Crust", RECONSTRUCT[-1])
     assert len({memory_needed(10**6, 0, (name,)) for name in names}) == 1
     assert memory_needed(10**6, 0, names[:1]) > memory_needed(10**6, 0, ("no such filter",))
+
+
+def test_after_a_simplification_nobody_knows_the_size():
+    crust = RECONSTRUCT[-1]
+    for name in ("generate_simplified_points", "Poisson-disk Sampling", "no such filter"):
+        assert memory_needed(10**7, 0, (name, crust)) == memory_needed(10**7, 0, (name, crust) * 2)
+        assert memory_needed(10**7, 0, (name, crust)) < memory_needed(10**7, 0, (crust,))
+    for name in ("Remove Duplicate Vertices", "compute_normal_for_point_clouds"):
+        assert memory_needed(10**7, 0, (name, crust)) == memory_needed(10**7, 0, (crust,))
 
 
 MEASURED = """
