@@ -478,7 +478,7 @@ def test_a_disk_that_is_full_at_the_last_moment_is_told_of_files_together(
     """Some file systems count what was written only when it is flushed."""
 
     def flush(descriptor):
-        if Path(os.readlink(f"/proc/self/fd/{descriptor}")).name == full:
+        if Path(f"/proc/self/fd/{descriptor}").readlink().name == full:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     def work():

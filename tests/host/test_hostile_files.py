@@ -236,6 +236,75 @@ def test_ply_of_every_type_is_read_to_the_last_bit(tmp_path, form, kind, counter
         assert mesh.label() == path.name
 
 
+def ply_with_lists(where, counter, kind, lengths, form="binary_little_endian", name="stuff"):
+    """A tetrahedron with a list of fives before each item of its own, or before them all."""
+    order = ">" if form == "binary_big_endian" else "<"
+    declared = f"property list {WORDS[counter]} {WORDS[kind]} {name}"
+    kinds = {"point": ("<f4", XYZ, POINTS), "face": ("<i4", (CORNERS_OF_FACE,), TETRAHEDRON)}
+    lists = [
+        np.array(length, order + counter).tobytes() + np.full(length, 5, order + kind).tobytes()
+        for length in lengths
+    ]
+    head = ["ply", f"format {form} 1.0"]
+    data = b""
+    if where == "other":
+        head += [f"element other {len(lists)}", declared]
+        data += b"".join(lists)
+    for item, (code, properties, rows) in kinds.items():
+        head += [f"element {'vertex' if item == 'point' else item} {len(rows)}"]
+        head += [declared, *properties] if item == where else properties
+        for number, row in enumerate(rows):
+            data += lists[number] if item == where else b""
+            data += b"\3" if item == "face" else b""
+            data += np.array(row, order + code[1:]).tobytes()
+    return "\n".join([*head, "end_header", ""]).encode() + data
+
+
+CORNERS_OF_FACE = "property list uchar int vertex_indices"
+TETRAHEDRON = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+
+
+@pytest.mark.parametrize("form", FORMS[1:])
+@pytest.mark.parametrize("where", ["point", "face", "other"])
+@pytest.mark.parametrize("counter", ["u1", "i1", "u2", "i4"])
+@pytest.mark.parametrize("lengths", [(2, 2, 2, 2), (0, 1, 2, 3), (0, 0, 0, 0), (1, 127, 100, 1)])
+def test_lists_that_meshlab_does_not_keep_are_no_harm(tmp_path, form, where, counter, lengths):
+    """It fails on those of length 0, with long lengths, or of more bytes than it has room for."""
+    path = tmp_path / "a.ply"
+    for kind in ("u1", "f4", "f8"):
+        path.write_bytes(ply_with_lists(where, counter, kind, lengths, form))
+        with pytest.warns(SymReconWarning, match=r"stuff .* cannot be kept|does not read other"):
+            mesh_set = load(path)
+            mesh = mesh_set.current_mesh()
+        assert np.array_equal(mesh.vertex_matrix(), POINTS.astype("f4").astype(float))
+        assert np.array_equal(mesh.face_matrix(), TETRAHEDRON)
+
+
+@pytest.mark.parametrize("counter", ["u1", "i1", "i4"])
+@pytest.mark.parametrize("kind", ["f4", "f8"])
+def test_texture_coordinates_and_colours_of_faces_in_every_type(tmp_path, counter, kind):
+    path = tmp_path / "a.ply"
+    for name in ("texcoord", "color"):
+        path.write_bytes(ply_with_lists("face", counter, kind, (6, 6, 6, 6), name=name))
+        mesh_set = load(path)
+        mesh = mesh_set.current_mesh()
+        assert (mesh.has_wedge_tex_coord(), mesh.has_face_color()) == (
+            name == "texcoord",
+            name == "color",
+        )
+        assert np.array_equal(mesh.face_matrix(), TETRAHEDRON)
+
+
+def test_whole_numbers_that_meshlab_takes_for_no_colour_of_a_face_are_told(tmp_path):
+    path = tmp_path / "a.ply"
+    path.write_bytes(ply_with_lists("face", "u1", "u1", (4, 4, 0, 4), name="color"))
+    with pytest.warns(SymReconWarning, match="color of each face cannot be kept"):
+        mesh_set = load(path)
+        mesh = mesh_set.current_mesh()
+    assert not mesh.has_face_color()
+    assert np.array_equal(mesh.face_matrix(), TETRAHEDRON)
+
+
 def test_whole_coordinates_and_other_properties_survive_the_copy(tmp_path):
     lines = ["element vertex 3", *(line.replace("float", "short") for line in XYZ)]
     lines += ["property uchar red", "property uchar green", "property uchar blue"]
