@@ -20,7 +20,7 @@ __all__ = ["check_off"]
 MARK = b"\xef\xbb\xbf"
 LONGEST_LINE = 1 << 16  # bytes, of what comes before the points
 KEYWORD = re.compile(rb"(ST)?(C)?(N)?(C)?OFF")
-COLOUR = 1  # the fewest numbers of one: MeshLab takes an index into a table, too
+COLOUR = 1  # the fewest numbers of a point's: MeshLab takes an index into a table, too
 
 
 @dataclass(slots=True)
@@ -47,7 +47,8 @@ def check_off(path: Path) -> Held:
     ------
     FileError
         Its header is none, a line has too few numbers or a word, a face names a vertex that the
-        file does not have, it ends before what it announces, or a coordinate is infinite.
+        file does not have, or has an index for its colour, it ends before what it announces, or a
+        coordinate is infinite.
     """
     check_plain_text(path)
     with path.open("rb") as file:
@@ -147,6 +148,7 @@ def _take_faces(reading: _Reading, block: Block) -> None:
         what = f"the face in line {block.lines[at]} announces {sizes[at]:g} corners"
         raise damaged(reading.path, f"{what}, and {counts[at] - 1} numbers follow")
     lengths = sizes.astype(np.int64)
+    _check_colours(reading.path, counts - 1 - lengths, block.lines)
     owners = np.repeat(np.arange(taken), lengths)
     within = np.arange(len(owners)) - np.repeat(np.cumsum(lengths) - lengths, lengths)
     corners = block.numbers[starts[owners] + 1 + within]
@@ -160,3 +162,12 @@ def _take_faces(reading: _Reading, block: Block) -> None:
     reading.edges += int((lengths == 2).sum())
     reading.triangles += int((lengths - 2).sum())
     reading.polygons += taken
+
+
+def _check_colours(path: Path, numbers: Indices, lines: Indices) -> None:
+    """Refuse one number behind a face's corners, with which MeshLab's reader ends the process."""
+    if (numbers == 1).any():
+        line = lines[int(np.argmax(numbers == 1))]
+        message = f"{path}: the face in line {line} has one number for its colour, an index into"
+        message = f"{message} a table, on which MeshLab's reader fails"
+        raise FileError(f"{message}; remove it, or write red, green and blue")
