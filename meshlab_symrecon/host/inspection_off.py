@@ -12,7 +12,13 @@ import numpy as np
 from meshlab_symrecon.arrays import Indices
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.held import Held, unusable
-from meshlab_symrecon.host.number_lines import Block, blocks_of, check_plain_text, shown
+from meshlab_symrecon.host.number_lines import (
+    Block,
+    blocks_of,
+    check_plain_text,
+    shown,
+    whole_lines,
+)
 from meshlab_symrecon.host.ply_header import damaged
 
 __all__ = ["check_off"]
@@ -20,6 +26,7 @@ __all__ = ["check_off"]
 MARK = b"\xef\xbb\xbf"
 LONGEST_LINE = 1 << 16  # bytes, of what comes before the points
 KEYWORD = re.compile(rb"(ST)?(C)?(N)?(C)?OFF")
+COMMENT = re.compile(rb"(?m)^([^#\n]+)#")  # where no line begins
 COLOUR = 1  # the fewest numbers of a point's: MeshLab takes an index into a table, too
 
 
@@ -53,6 +60,7 @@ def check_off(path: Path) -> Held:
     check_plain_text(path)
     with path.open("rb") as file:
         reading, line = _begun(path, file)
+        _check_comments(path, file, line)
         for block in blocks_of(path, file, line):
             _take_faces(reading, _without_points(reading, block))
     for what, announced, found in (
@@ -89,7 +97,10 @@ def _begun(path: Path, file: BinaryIO) -> tuple[_Reading, int]:
         number += 1
         if not line:
             break
-        words += line.partition(b"#")[0].split()
+        before, mark, _ = line.partition(b"#")
+        words += before.split()
+        if before and mark and len(words) == 1:
+            raise _comment_behind(path, number)
         if words and not KEYWORD.fullmatch(words[0]):
             raise damaged(path, f"it begins with '{shown(words[0])}' instead of 'OFF'")
         if len(words) > 1 and words[1].upper() == b"BINARY":
@@ -105,6 +116,22 @@ def _begun(path: Path, file: BinaryIO) -> tuple[_Reading, int]:
     keyword = words[0]
     extra = 2 * (b"ST" in keyword) + 3 * (b"N" in keyword) + COLOUR * (b"C" in keyword)
     return _Reading(path, counts[0], counts[1], 3 + extra), number + 1
+
+
+def _check_comments(path: Path, file: BinaryIO, line: int) -> None:
+    """Refuse comments behind numbers: MeshLab takes their words for numbers, or crashes."""
+    start = file.tell()
+    for text in whole_lines(path, file):
+        found = COMMENT.search(text) if b"#" in text else None
+        if found:
+            raise _comment_behind(path, line + text.count(b"\n", 0, found.start(1)))
+        line += text.count(b"\n")
+    file.seek(start)
+
+
+def _comment_behind(path: Path, line: int) -> FileError:
+    message = f"{path} has a comment in line {line} that does not begin it, which MeshLab does not"
+    return FileError(f"{message} read; remove it")
 
 
 def _without_points(reading: _Reading, block: Block) -> Block:
