@@ -28,6 +28,7 @@ LONGEST_LINE = 1 << 16  # bytes, of what comes before the points
 KEYWORD = re.compile(rb"(ST)?(C)?(N)?(C)?OFF")
 COMMENT = re.compile(rb"(?m)^([^#\n]+)#")  # where no line begins
 COLOUR = 1  # the fewest numbers of a point's: MeshLab takes an index into a table, too
+COLOURS = 4  # the most of a point's, and it fails on more
 
 
 @dataclass(slots=True)
@@ -38,6 +39,7 @@ class _Reading:
     points: int
     faces: int
     least: int  # numbers of a point
+    most: int
     found: int = 0
     polygons: int = 0
     lost: list[Indices] = field(default_factory=list)  # points that nobody can use
@@ -115,7 +117,8 @@ def _begun(path: Path, file: BinaryIO) -> tuple[_Reading, int]:
         raise FileError(f"{path} holds no points; scan again or pick another file")
     keyword = words[0]
     extra = 2 * (b"ST" in keyword) + 3 * (b"N" in keyword) + COLOUR * (b"C" in keyword)
-    return _Reading(path, counts[0], counts[1], 3 + extra), number + 1
+    most = 3 + extra + (COLOURS - COLOUR) * (b"C" in keyword)
+    return _Reading(path, counts[0], counts[1], 3 + extra, most), number + 1
 
 
 def _check_comments(path: Path, file: BinaryIO, line: int) -> None:
@@ -148,6 +151,10 @@ def _without_points(reading: _Reading, block: Block) -> Block:
         at = int(np.argmax(wrong))
         what = f"line {block.lines[at]} has {counts[at]} numbers, and a point has {reading.least}"
         raise damaged(reading.path, what)
+    if not plain and counts.max() > reading.most:
+        at = int(np.argmax(counts > reading.most))
+        message = f"{reading.path}: line {block.lines[at]} has {counts[at]} numbers, and MeshLab"
+        raise FileError(f"{message} reads {reading.most} of a point at most; leave out the others")
     end = int(counts.sum())
     if plain:
         coordinates = block.numbers[:end].reshape(-1, 3)

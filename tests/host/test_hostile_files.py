@@ -146,6 +146,8 @@ REFUSED = {
     "comment.off": (b"OFF\n3 0 0\n" + ROWS.replace(b"1 0 0", b"1 0 0 # a b"), "comment in line 4"),
     "indented.off": (b"OFF\n3 0 0\n  # a\n" + ROWS, "has a comment in line 3"),
     "tight.off": (off(faces=[[0, 1, 2]]).rstrip() + b" #a\n", "has a comment in line 7"),
+    "five.off": (off(keyword="COFF", more=" 1 1 1 1 5"), "8 numbers, and MeshLab reads 7 of a"),
+    "more.off": (off(keyword="NOFF", more=" 0 0 1 5"), "7 numbers, and MeshLab reads 6 of a point"),
     "heading.xyz": (b"//X Y Z\n" + ROWS, "MeshLab takes line 1, '//X Y Z', for a point"),
     "inf.off": (off([[0, 0, np.inf]], []), "point 1 has the coordinate inf"),
     "large.off": (off([[0, 0, 1e300]], []), "point 1 has the coordinate 1e+300"),
@@ -426,6 +428,7 @@ def test_what_is_left_out_is_told(tmp_path, name, content, words):
     ("name", "content", "points", "faces"),
     [
         ("coff.off", off(keyword="COFF", more=" 255 0 0 255"), 4, 3),
+        ("table.off", off(keyword="COFF", more=" 7"), 4, 3),
         ("noff.off", off(keyword="NOFF", more=" 0 0 1"), 4, 3),
         ("stoff.off", off(keyword="STOFF", more=" 0.5 0.5"), 4, 3),
         ("row.off", b"OFF\n# a\n3 1 0\n# b\n0 0 0 1 0 0 0 1 0\n3 0 1 2\n", 3, 1),
