@@ -19,10 +19,11 @@ import numpy as np
 from meshlab_symrecon.host.ply_header import Element, Header, Property, read_header
 from meshlab_symrecon.host.ply_rows import Rows, rows_of
 
-__all__ = ["is_kept", "with_plain_data"]
+__all__ = ["STRIPS", "is_kept", "with_plain_data"]
 
 AXES = ("x", "y", "z")
 CORNERS = ("vertex_indices", "vertex_index")
+STRIPS = "tristrips"  # MeshLab crashes on those of other types
 WEDGES = ("texcoord", "color")
 REAL = ("f4", "f8")
 ONE_BYTE = ("u1", "i1")
@@ -51,7 +52,9 @@ def is_kept(element: str, item: Property) -> bool:
     """Say whether MeshLab keeps a list of an element of that name, in one type or another."""
     if element == "face" and item.name in WEDGES:
         return item.kind in REAL
-    return element in ("face", "tristrips") and item.name in CORNERS
+    if element == STRIPS:
+        return item.name in CORNERS and (item.length_kind, item.kind) == ("i4", "i4")
+    return element == "face" and item.name in CORNERS
 
 
 def _is_plain(header: Header) -> bool:
@@ -69,6 +72,8 @@ def _is_read_well(element: str, item: Property, form: str) -> bool:
         return False
     if not item.length_kind:
         return item.name not in AXES or item.kind in REAL
+    if element == STRIPS:
+        return is_kept(element, item)
     if not is_kept(element, item):
         return form == "ascii" or item.length_kind in ONE_BYTE
     if item.name in WEDGES:
@@ -100,8 +105,10 @@ def _is_left_out(element: Element, item: Property) -> bool:
     return bool(item.length_kind) and not is_kept(element.name, item)
 
 
-def _plain(item: Property) -> Property:
+def _plain(element: str, item: Property) -> Property:
     """Return the property in the types in which it is read well."""
+    if item.length_kind and element == STRIPS:
+        return item
     if item.length_kind:
         return Property(item.name, "f4" if item.name in WEDGES else "i4", "u1")
     if item.name in AXES and item.kind not in REAL:
@@ -112,7 +119,7 @@ def _plain(item: Property) -> Property:
 def _copied(element: Element) -> tuple[tuple[int, Property], ...]:
     """Return the places and new types of the properties that the copy has."""
     return tuple(
-        (number, _plain(item))
+        (number, _plain(element.name, item))
         for number, item in enumerate(element.properties)
         if not _is_left_out(element, item)
     )

@@ -292,6 +292,59 @@ def test_lists_that_meshlab_does_not_keep_are_no_harm(tmp_path, form, where, cou
         assert np.array_equal(mesh.face_matrix(), TETRAHEDRON)
 
 
+def ply_of_strips(strips, form="binary_little_endian", counter="i4", index="i4"):
+    order = ">" if form == "binary_big_endian" else "<"
+    lines = ["ply", f"format {form} 1.0", f"element vertex {len(POINTS)}", *XYZ]
+    lines += [f"element tristrips {len(strips)}"]
+    lines += [f"property list {WORDS[counter]} {WORDS[index]} vertex_indices", "end_header", ""]
+    head = "\n".join(lines).encode()
+    if form == "ascii":
+        rows = [*POINTS.tolist(), *([len(strip), *strip] for strip in strips)]
+        return head + "".join(" ".join(map(repr, row)) + "\n" for row in rows).encode()
+    data = POINTS.astype(order + "f4").tobytes()
+    for strip in strips:
+        data += np.array(len(strip), order + counter).tobytes()
+        data += np.array(strip, order + index).tobytes()
+    return head + data
+
+
+LONG_STRIP = [0, 1, 2, 3] * 100
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_strips_of_triangles(tmp_path, form):
+    path = tmp_path / "a.ply"
+    path.write_bytes(ply_of_strips([[0, 1, 2, -1, 0, 1, 3, -1], [0, 3, 2], LONG_STRIP], form))
+    mesh_set = load(path)
+    mesh = mesh_set.current_mesh()
+    assert mesh.face_number() == 3 + len(LONG_STRIP) - 2
+    assert np.array_equal(np.sort(mesh.face_matrix()[:3]), [[0, 1, 2], [0, 1, 3], [0, 2, 3]])
+    for counter, index in (("u1", "i4"), ("u4", "i4"), ("i4", "u4"), ("u2", "i2")):
+        path.write_bytes(ply_of_strips([[0, 1, 2, 3]], form, counter, index))
+        with pytest.warns(SymReconWarning, match="triangle strips that MeshLab does not read"):
+            mesh_set = load(path)
+        mesh = mesh_set.current_mesh()
+        assert (mesh.vertex_number(), mesh.face_number()) == (len(POINTS), 0)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize(
+    ("strip", "words"),
+    [
+        ([0, 1, 2, 4], "strip 2 names vertex 4, and there are 4"),
+        ([0, 1, 2, -5], "strip 2 names vertex -5"),
+        ([3, -1, 1], "strip 2 ends after fewer than 3 corners"),
+        ([0, 1, 2, -1, 0, 1, -1, 0, 1, 2], "strip 2 ends after fewer than 3 corners"),
+        ([-1, 0, 1, 2], "strip 2 ends after fewer than 3 corners"),
+    ],
+)
+def test_strips_of_triangles_that_meshlab_fails_on(tmp_path, form, strip, words):
+    path = tmp_path / "a.ply"
+    path.write_bytes(ply_of_strips([[0, 1, 2], strip], form))
+    with pytest.raises(FileError, match=words):
+        load(path)
+
+
 @pytest.mark.parametrize("counter", ["u1", "i1", "i4"])
 @pytest.mark.parametrize("kind", ["f4", "f8"])
 def test_texture_coordinates_and_colours_of_faces_in_every_type(tmp_path, counter, kind):
