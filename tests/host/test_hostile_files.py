@@ -95,7 +95,14 @@ def header(*lines):
 
 
 XYZ = ("property float x", "property float y", "property float z")
+GRID = b"3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
+GRID_ROWS = b"".join(b"%d %d 1 0.5\n" % (place % 3, place // 3) for place in range(1, 13))
 REFUSED = {
+    "cut.ptx": (GRID + GRID_ROWS[:-13], "announces 12 points, and 11 follow"),
+    "again.ptx": (GRID + GRID_ROWS + GRID[:30], "ends in line 29, in the middle of a header"),
+    "word.ptx": (GRID + GRID_ROWS.replace(b"2 0 1", b"x 0 1"), "line 12 has 'x' instead"),
+    "row.ptx": (GRID + GRID_ROWS.replace(b"2 0 1", b"2 1"), "line 12 has 3 numbers, and a point"),
+    "count.ptx": (b"3.5\n" + GRID[2:] + GRID_ROWS, "line 1 is none of a header"),
     "one axis twice.ply": (
         header("element vertex 3", "property float x", *XYZ) + ROWS, "'x' of 'vertex' twice"
     ),
@@ -460,6 +467,12 @@ def test_facets_that_are_not_numbers_are_told(tmp_path, write):
         ("more.off", off() + b"3 0 1 2\n", "has 1 lines behind the faces"),
         ("edge.off", off(faces=[[0, 1], [0, 1, 2]]), "has 1 faces of two corners"),
         ("cut.xyz", ROWS.rstrip(), "its last line has no end"),
+        (
+            "words.asc",
+            b"<html>\n# a\n" + ROWS + b"\nabc\n1 2\n",
+            "3 of 8 lines hold no point and were passed over, the first is line 1, '<html>'",
+        ),
+        ("cut.asc", ROWS.rstrip(), "its last line has no end"),
         ("old.obj", V + b"fo 1 2 3\n", "has 1 faces under the old word 'fo'"),
         ("cut.obj", V.rstrip(), "its last line has no end"),
         (
