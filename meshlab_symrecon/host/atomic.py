@@ -150,17 +150,26 @@ _group: ContextVar[list[_Written] | None] = ContextVar("_group", default=None)
 
 def _put_all_in_place(group: list[_Written]) -> None:
     for written in group:  # may take seconds, and an interruption need not wait for that
-        for file in written.staging.rglob("*"):
-            if file.is_file():
-                _flush(file)
-    try:
-        with unbroken():
-            for written in group:
+        with _refusals_told(written.target):
+            for file in written.staging.rglob("*"):
+                if file.is_file():
+                    _flush(file)
+    with unbroken():
+        for written in group:
+            with _refusals_told(written.target):
                 _put_in_place(written.staging, written.name, written.target)
+
+
+@contextmanager
+def _refusals_told(target: Path) -> Iterator[None]:
+    """Raise FileError for what the system refuses in this block."""
+    try:
+        yield
     except FileError:
         raise
     except OSError as error:
-        raise FileError(f"{written.target} cannot be written: {reason(error)}") from error
+        message = f"{target} cannot be written: {reason(error)}; free space or give another path"
+        raise FileError(message) from error
 
 
 def staging_prefix(process: int) -> str:

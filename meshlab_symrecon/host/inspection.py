@@ -6,11 +6,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from meshlab_symrecon.host.held import Held
+from meshlab_symrecon.host.inspection_asc import notes_on_lines
 from meshlab_symrecon.host.inspection_lengths import check_length
 from meshlab_symrecon.host.inspection_obj import check_obj
 from meshlab_symrecon.host.inspection_off import check_off
 from meshlab_symrecon.host.inspection_ply import check_ply
 from meshlab_symrecon.host.inspection_points import check_points_text
+from meshlab_symrecon.host.inspection_ptx import check_grids
 from meshlab_symrecon.host.inspection_stl import check_stl, check_stl_content
 from meshlab_symrecon.host.inspection_trial import try_in_child
 from meshlab_symrecon.host.inspection_xml import check_numbers
@@ -40,4 +42,6 @@ def inspect(path: Path, extension: str) -> Held:
         return CHECKS[extension](path)
     check_length(path, extension)
     check_numbers(path, extension)
-    return Held(try_in_child(path))
+    check_grids(path, extension)
+    notes = notes_on_lines(path, extension)
+    return Held(try_in_child(path), notes=notes)

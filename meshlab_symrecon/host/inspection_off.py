@@ -12,7 +12,13 @@ import numpy as np
 from meshlab_symrecon.arrays import Indices
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.held import Held, unusable
-from meshlab_symrecon.host.number_lines import Block, blocks_of, check_plain_text, shown
+from meshlab_symrecon.host.number_lines import (
+    Block,
+    blocks_of,
+    check_plain_text,
+    shown,
+    whole_lines,
+)
 from meshlab_symrecon.host.ply_header import damaged
 
 __all__ = ["check_off"]
@@ -20,7 +26,9 @@ __all__ = ["check_off"]
 MARK = b"\xef\xbb\xbf"
 LONGEST_LINE = 1 << 16  # bytes, of what comes before the points
 KEYWORD = re.compile(rb"(ST)?(C)?(N)?(C)?OFF")
-COLOUR = 1  # the fewest numbers of one: MeshLab takes an index into a table, too
+COMMENT = re.compile(rb"(?m)^([^#\n]+)#")  # where no line begins
+COLOUR = 1  # the fewest numbers of a point's: MeshLab takes an index into a table, too
+COLOURS = 4  # the most of a point's, and it fails on more
 
 
 @dataclass(slots=True)
@@ -31,6 +39,7 @@ class _Reading:
     points: int
     faces: int
     least: int  # numbers of a point
+    most: int
     found: int = 0
     polygons: int = 0
     lost: list[Indices] = field(default_factory=list)  # points that nobody can use
@@ -47,11 +56,13 @@ def check_off(path: Path) -> Held:
     ------
     FileError
         Its header is none, a line has too few numbers or a word, a face names a vertex that the
-        file does not have, it ends before what it announces, or a coordinate is infinite.
+        file does not have, or has an index for its colour, it ends before what it announces, or a
+        coordinate is infinite.
     """
     check_plain_text(path)
     with path.open("rb") as file:
         reading, line = _begun(path, file)
+        _check_comments(path, file, line)
         for block in blocks_of(path, file, line):
             _take_faces(reading, _without_points(reading, block))
     for what, announced, found in (
@@ -88,7 +99,10 @@ def _begun(path: Path, file: BinaryIO) -> tuple[_Reading, int]:
         number += 1
         if not line:
             break
-        words += line.partition(b"#")[0].split()
+        before, mark, _ = line.partition(b"#")
+        words += before.split()
+        if before and mark and len(words) == 1:
+            raise _comment_behind(path, number)
         if words and not KEYWORD.fullmatch(words[0]):
             raise damaged(path, f"it begins with '{shown(words[0])}' instead of 'OFF'")
         if len(words) > 1 and words[1].upper() == b"BINARY":
@@ -103,7 +117,24 @@ def _begun(path: Path, file: BinaryIO) -> tuple[_Reading, int]:
         raise FileError(f"{path} holds no points; scan again or pick another file")
     keyword = words[0]
     extra = 2 * (b"ST" in keyword) + 3 * (b"N" in keyword) + COLOUR * (b"C" in keyword)
-    return _Reading(path, counts[0], counts[1], 3 + extra), number + 1
+    most = 3 + extra + (COLOURS - COLOUR) * (b"C" in keyword)
+    return _Reading(path, counts[0], counts[1], 3 + extra, most), number + 1
+
+
+def _check_comments(path: Path, file: BinaryIO, line: int) -> None:
+    """Refuse comments behind numbers: MeshLab takes their words for numbers, or crashes."""
+    start = file.tell()
+    for text in whole_lines(path, file):
+        found = COMMENT.search(text) if b"#" in text else None
+        if found:
+            raise _comment_behind(path, line + text.count(b"\n", 0, found.start(1)))
+        line += text.count(b"\n")
+    file.seek(start)
+
+
+def _comment_behind(path: Path, line: int) -> FileError:
+    message = f"{path} has a comment in line {line} that does not begin it, which MeshLab does not"
+    return FileError(f"{message} read; remove it")
 
 
 def _without_points(reading: _Reading, block: Block) -> Block:
@@ -120,6 +151,10 @@ def _without_points(reading: _Reading, block: Block) -> Block:
         at = int(np.argmax(wrong))
         what = f"line {block.lines[at]} has {counts[at]} numbers, and a point has {reading.least}"
         raise damaged(reading.path, what)
+    if not plain and counts.max() > reading.most:
+        at = int(np.argmax(counts > reading.most))
+        message = f"{reading.path}: line {block.lines[at]} has {counts[at]} numbers, and MeshLab"
+        raise FileError(f"{message} reads {reading.most} of a point at most; leave out the others")
     end = int(counts.sum())
     if plain:
         coordinates = block.numbers[:end].reshape(-1, 3)
@@ -147,6 +182,7 @@ def _take_faces(reading: _Reading, block: Block) -> None:
         what = f"the face in line {block.lines[at]} announces {sizes[at]:g} corners"
         raise damaged(reading.path, f"{what}, and {counts[at] - 1} numbers follow")
     lengths = sizes.astype(np.int64)
+    _check_colours(reading.path, counts - 1 - lengths, block.lines)
     owners = np.repeat(np.arange(taken), lengths)
     within = np.arange(len(owners)) - np.repeat(np.cumsum(lengths) - lengths, lengths)
     corners = block.numbers[starts[owners] + 1 + within]
@@ -160,3 +196,12 @@ def _take_faces(reading: _Reading, block: Block) -> None:
     reading.edges += int((lengths == 2).sum())
     reading.triangles += int((lengths - 2).sum())
     reading.polygons += taken
+
+
+def _check_colours(path: Path, numbers: Indices, lines: Indices) -> None:
+    """Refuse one number behind a face's corners, with which MeshLab's reader ends the process."""
+    if (numbers == 1).any():
+        line = lines[int(np.argmax(numbers == 1))]
+        message = f"{path}: the face in line {line} has one number for its colour, an index into"
+        message = f"{message} a table, on which MeshLab's reader fails"
+        raise FileError(f"{message}; remove it, or write red, green and blue")

@@ -13,7 +13,9 @@ from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.held import Held, unusable
 from meshlab_symrecon.host.number_lines import blocks_of
 from meshlab_symrecon.host.ply_header import Header, damaged, read_header
+from meshlab_symrecon.host.ply_plain import STRIPS, is_kept
 from meshlab_symrecon.host.ply_rows import Rows, rows_of
+from meshlab_symrecon.host.ply_strips import check_strips
 
 __all__ = ["check_ply"]
 
@@ -32,13 +34,14 @@ def check_ply(path: Path) -> Held:
     FileError
         The header is damaged, has no points with x, y and z, or announces more than the file holds;
         a face names a vertex that is not there, or has fewer than three corners or more than
-        MeshLab can read; a coordinate is infinite.
+        MeshLab can read, and so for strips of triangles; a coordinate is infinite.
     """
     header = read_header(path)
     _check_header(path, header)
     words = _words(path, header)
     start = 0
     points = np.zeros(0, dtype=np.bool_)  # which ones nobody can use
+    strips: list[Rows] = []
     lost_faces = triangles = 0
     for element in header.elements:
         try:
@@ -49,7 +52,11 @@ def check_ply(path: Path) -> Held:
             points = _lost_points(path, rows)
         elif element.name == "face":
             lost_faces, triangles = _lost_faces(path, rows, points)
+        elif element.name == STRIPS and element.count:
+            strips.append(rows)
         start = rows.end
+    for rows in strips:
+        check_strips(path, rows, len(points))
     if points.all():
         raise FileError(f"{path} holds no points; scan again or pick another file")
     notes = _notes(path, header, len(words), start)
@@ -62,9 +69,15 @@ def _notes(path: Path, header: Header, held: int, used: int) -> tuple[str, ...]:
         unit = "numbers" if header.form == "ascii" else "bytes"
         words = f"{held - used} {unit} behind what its header announces; they were left out"
         notes.append(f"{path} has {words}")
-    strips = header.element("tristrips")
-    if strips is not None and strips.count:
-        words = "triangle strips, which MeshLab does not read; write triangles"
+    strips = header.element(STRIPS)
+    if (
+        strips is not None
+        and strips.count
+        and not any(is_kept(STRIPS, it) for it in strips.properties)
+    ):
+        words = (
+            "triangle strips that MeshLab does not read; write triangles, or them as lists of int"
+        )
         notes.append(f"{path} has {words}")
     return tuple(notes)
 

@@ -17,6 +17,7 @@ from meshlab_symrecon.arrays import Faces, Floats, Indices, Points
 from meshlab_symrecon.host.meshset import SCALAR_PREFIX
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.ply_header import Element, Header, Property, read_header
+from meshlab_symrecon.host.ply_plain import is_kept
 from meshlab_symrecon.host.ply_table import Column, read_columns
 from meshlab_symrecon.host.translation import script_name_in_python, translated
 
@@ -37,7 +38,7 @@ FACE_READ: dict[str, tuple[str, ...]] = {
     "texnumber": ("i4",),
     **dict.fromkeys(("nx", "ny", "nz"), ("i1", "u1", "i2", "u2", "i4", "u4", *REAL)),  # computed
 }
-FACE_LISTS = ("vertex_indices", "vertex_index", "texcoord", "color")
+CORNERS = ("vertex_indices", "vertex_index")
 EDGE_READ = ("vertex1", "vertex2")
 KNOWN_ELEMENTS = ("vertex", "face", "edge", "tristrips")
 VERTEX_STANDARD = frozenset(VERTEX_READ)
@@ -75,15 +76,15 @@ def add_unread_properties(mesh_set: Any, identifier: int, path: Path) -> Mapping
     """
     header = read_header(path)
     vertex, face = header.element("vertex"), header.element("face")
-    wanted_vertex = () if vertex is None else _unread(vertex, VERTEX_READ, ())
-    wanted_face = () if face is None else _unread(face, FACE_READ, FACE_LISTS)
+    wanted_vertex = () if vertex is None else _unread(vertex, VERTEX_READ)
+    wanted_face = () if face is None else _unread(face, FACE_READ)
     _warn_of_elements(path, header)
     if not wanted_vertex and not wanted_face:
         return {}
     mesh = mesh_set.mesh(identifier)
     try:
         vertices = read_columns(path, header, "vertex", {"x", "y", "z", *wanted_vertex})
-        lists = {name for name in FACE_LISTS[:2] if wanted_face}
+        lists = {name for name in CORNERS if wanted_face}
         faces = read_columns(path, header, "face", {*lists, *wanted_face})
         kept = _kept(mesh, vertices, faces)
     except ValueError as error:
@@ -97,12 +98,10 @@ def add_unread_properties(mesh_set: Any, identifier: int, path: Path) -> Mapping
     return scalars
 
 
-def _unread(
-    element: Element, read: Mapping[str, tuple[str, ...]], lists: tuple[str, ...]
-) -> tuple[str, ...]:
+def _unread(element: Element, read: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     def dropped(item: Property) -> bool:
         if item.length_kind:
-            return item.name not in lists
+            return not is_kept(element.name, item)
         return item.kind not in read.get(item.name, ())
 
     return tuple(item.name for item in element.properties if dropped(item))
@@ -112,7 +111,7 @@ def _warn_of_elements(path: Path, header: Header) -> None:
     others = [item.name for item in header.elements if item.name not in KNOWN_ELEMENTS]
     edge = header.element("edge")
     if edge is not None:
-        others += [f"edge {name}" for name in _unread(edge, dict.fromkeys(EDGE_READ, ("i4",)), ())]
+        others += [f"edge {name}" for name in _unread(edge, dict.fromkeys(EDGE_READ, ("i4",)))]
     if others:
         warn_user(f"{path}: MeshLab does not read {', '.join(others)}; they were left out")
 
@@ -134,7 +133,7 @@ def _kept(mesh: Any, vertices: Mapping[str, Column], faces: Mapping[str, Column]
     held: Points = mesh.vertex_matrix()
     if len(kept) != len(held) or not np.array_equal(points[kept], held):
         raise ValueError("MeshLab read other points than the file holds")
-    corners = next((faces[name] for name in FACE_LISTS[:2] if name in faces), None)
+    corners = next((faces[name] for name in CORNERS if name in faces), None)
     if corners is None:
         return _Kept(kept, None)
     return _Kept(kept, _kept_faces(mesh.face_matrix(), corners, kept, len(points)))

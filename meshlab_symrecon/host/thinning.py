@@ -21,6 +21,7 @@ PROBE = 100_000  # points on which the size of a cell is guessed
 TRIES = 60
 CLOSE = 0.995  # share of the points asked for that is close enough
 FINEST = 2.0**-60  # of the box: beyond it, cells are too many to be numbered
+REACH = 2.0**30  # sizes of the bulk: what is farther away counts as if it were there
 KEY_LIMIT = 1 << 62
 MIXER = np.uint64(0x9E3779B97F4A7C15)  # 2^64 / golden ratio, odd: spreads bits upwards
 
@@ -128,13 +129,32 @@ def even_points(points: Points, most: int) -> Indices:
     """
     if len(points) <= most:
         return np.arange(len(points))
-    low = points.min(axis=0)
-    widest = float((points.max(axis=0) - low).max())
+    kept = _one_a_cell(points, points, most)
+    if len(kept) < most // 2:
+        near = _within_reach(points)
+        kept = kept if near is points else _one_a_cell(points, near, most)
+    return kept
+
+
+def _within_reach(points: Points) -> Points:
+    """Return the points with those brought nearer that are absurdly far from half of them.
+
+    One point at 1e30, a scanner's word for nothing, would make all others fall into one cell.
+    """
+    low, high = np.quantile(points, [0.25, 0.75], axis=0)
+    reach = REACH * float((high - low).max())
+    near = np.clip(points, low - reach, high + reach)
+    return points if reach == 0.0 or np.array_equal(near, points) else near
+
+
+def _one_a_cell(points: Points, near: Points, most: int) -> Indices:
+    """Choose one point of each cell, where ``near`` says in which cell each point is."""
+    low = near.min(axis=0)
+    widest = float((near.max(axis=0) - low).max())
     if widest == 0.0:
         return np.zeros(1, dtype=np.int64)
-    size = _cell_size(points, low, widest, most)
-    cells = _cells(points, low, size)
-    return np.sort(_nearest_to_middle(points, low, size, cells))
+    size = _cell_size(near, low, widest, most)
+    return np.sort(_nearest_to_middle(points, near, low, size))
 
 
 def _cell_size(points: Points, low: Floats, widest: float, most: int) -> float:
@@ -201,11 +221,12 @@ def _cells(points: Points, low: Floats, size: float) -> Indices:
     return (places[0] * widths[1] + places[1]) * widths[2] + places[2]
 
 
-def _nearest_to_middle(points: Points, low: Floats, size: float, cells: Indices) -> Indices:
+def _nearest_to_middle(points: Points, near: Points, low: Floats, size: float) -> Indices:
     """Return the point of each cell that is nearest to its middle; of several, by its place."""
+    cells = _cells(near, low, size)
     distance = np.zeros(len(points))
     for axis in range(3):
-        place = (points[:, axis] - low[axis]) / size
+        place = (near[:, axis] - low[axis]) / size
         distance += (place - np.floor(place) - 0.5) ** 2
     order = np.argsort(cells)
     cells, distance = cells[order], distance[order]

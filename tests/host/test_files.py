@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import locale
 import os
 import struct
@@ -17,7 +18,12 @@ import pytest
 from meshlab_symrecon.arrays import as_points
 from meshlab_symrecon.errors import FileError, SymReconError, SymReconWarning
 from meshlab_symrecon.host import files
-from meshlab_symrecon.host.atomic import remove_dead_staging, replacing, same_file
+from meshlab_symrecon.host.atomic import (
+    remove_dead_staging,
+    replacing,
+    same_file,
+    together,
+)
 from meshlab_symrecon.host.files import (
     READABLE,
     WRITABLE,
@@ -463,6 +469,30 @@ def test_a_full_disk_leaves_the_old_file(tmp_path, extension):
     assert "cannot be written" in ended.stdout
     assert target.read_text() == "old"
     assert sorted(file.name for file in tmp_path.iterdir()) == ["in.ply", target.name]
+
+
+@pytest.mark.parametrize("full", ["a.ply", "b.json"])
+def test_a_disk_that_is_full_at_the_last_moment_is_told_of_files_together(
+    tmp_path, monkeypatch, full
+):
+    """Some file systems count what was written only when it is flushed."""
+
+    def flush(descriptor):
+        if Path(f"/proc/self/fd/{descriptor}").readlink().name == full:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def work():
+        with together():
+            for name in ("a.ply", "b.json"):
+                with replacing(tmp_path / name) as staged:
+                    staged.write_text("new")
+
+    (tmp_path / full).write_text("old")
+    monkeypatch.setattr(os, "fsync", flush)
+    with pytest.raises(FileError, match=f"{full} cannot be written: No space left.*; free space"):
+        work()
+    assert [file.name for file in tmp_path.iterdir()] == [full]
+    assert (tmp_path / full).read_text() == "old"
 
 
 def test_a_project_keeps_every_layer(tmp_path):

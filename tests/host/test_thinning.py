@@ -47,6 +47,24 @@ def test_the_order_of_the_points_does_not_count():
         assert rows(points[one]) == rows(points[order][other])
 
 
+@pytest.mark.parametrize("far", [1e9, 1e19, 1e30, 3.4e38, -1e100])
+def test_points_absurdly_far_off_leave_room_for_the_others(far):
+    points = sphere(5_000)
+    points[:1_000] = far * np.random.default_rng(2).uniform(1.0, 2.0, (1_000, 3))
+    for cloud in (points, points[999:]):
+        kept = even_points(cloud, 1_000)
+        assert 900 <= len(kept) <= 1_000
+        assert np.abs(cloud[kept]).max() > 0.9 * abs(far)
+        order = np.random.default_rng(1).permutation(len(cloud))
+        assert rows(cloud[kept]) == rows(cloud[order][even_points(cloud[order], 1_000)])
+
+
+def test_half_of_the_points_in_one_place_are_one():
+    points = sphere(5_000)
+    points[1_000:] = 0.0
+    assert len(even_points(points, 2_000)) == 1_001
+
+
 def test_what_is_dense_and_what_is_sparse_come_out_alike():
     points = sphere(400_000)
     lower = points[:, 2] < 0.0
