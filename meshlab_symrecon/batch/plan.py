@@ -11,7 +11,7 @@ from typing import Any
 
 from meshlab_symrecon.batch.checksums import sha256_of, sha256_of_data
 from meshlab_symrecon.batch.inputs import find_scans
-from meshlab_symrecon.batch.names import named
+from meshlab_symrecon.batch.names import folded, named
 from meshlab_symrecon.batch.request import RECONSTRUCT, Batch, Limits
 from meshlab_symrecon.batch.versions import versions
 from meshlab_symrecon.batch.work import Job, Work
@@ -77,7 +77,8 @@ def planned(batch: Batch) -> Plan:
     )  # fmt: skip
     log = Path(batch.log) if batch.log is not None else folder / LOG
     kept = [] if work.name == RECONSTRUCT else [_absolute(Path(batch.script))]
-    _check_places(jobs, kept, _absolute(log))
+    _check_places(jobs, kept)
+    _check_written(jobs, kept, log, None if batch.summary is None else Path(batch.summary))
     plan = Plan(jobs, log, count)
     for place in plan.folders:
         _make(place)
@@ -86,6 +87,8 @@ def planned(batch: Batch) -> Plan:
     if batch.log is None:
         _make(folder)
     check_target(log)
+    if batch.summary is not None:
+        check_target(Path(batch.summary))
     return plan
 
 
@@ -156,8 +159,9 @@ def _absolute(path: Path) -> Path:
     return Path(os.path.abspath(path))  # noqa: PTH100  links stay what they are
 
 
-def _check_places(jobs: Iterable[Job], others: Iterable[Path], log: Path) -> None:
-    """Refuse results among the scans: a later run would take them for scans."""
+def _check_places(jobs: Iterable[Job], others: Iterable[Path]) -> None:
+    """Refuse results among the scans, which a later run would take for scans, and equal ones."""
+    first: dict[str, Job] = {}
     scans = {os.path.realpath(job.scan): job for job in jobs}
     among = {os.path.dirname(path): job for path, job in scans.items()}  # noqa: PTH120
     kept = set(scans) | {os.path.realpath(path) for path in others}
@@ -170,8 +174,27 @@ def _check_places(jobs: Iterable[Job], others: Iterable[Path], log: Path) -> Non
         if neighbour is not None:
             message = f"the results would lie among the scans, beside {neighbour.shown_scan}"
             raise FileError(f"{message}; give a folder of their own with -d")
-    if os.path.realpath(log) in kept | {os.path.realpath(job.output) for job in jobs}:
-        raise FileError(f"the log {log} would overwrite a file of the batch; give another path")
+        other = first.setdefault(folded(target), job)
+        if other is not job:
+            message = f"{other.shown_output} and {job.shown_output} are one file, through a link"
+            raise FileError(f"{message}; give another folder for the results")
+
+
+def _check_written(
+    jobs: Iterable[Job], others: Iterable[Path], log: Path, summary: Path | None
+) -> None:
+    """Refuse a log or a summary in the place of another file of the batch."""
+    files = [file for job in jobs for file in (job.scan, job.output)]
+    used = {folded(os.path.realpath(file)) for file in (*files, *others)}
+    scans = [os.path.realpath(job.scan) for job in jobs]
+    for what, path in (("log", log), ("summary", summary)):
+        if path is None:
+            continue
+        place = folded(os.path.realpath(path))
+        if place in used or (path.exists() and _same_as_any(path, scans)):
+            message = f"the {what} {path} would overwrite a file of the batch"
+            raise FileError(f"{message}; give another path")
+        used.add(place)
 
 
 def _same_as_any(path: Path, scans: Iterable[str]) -> bool:
