@@ -19,7 +19,8 @@ __all__ = ["Log", "opened_log"]
 
 BEGINNING = b'{"scan": '
 REQUIRED = {"scan": str, "output": str, "name": str, "status": str, "work_sha256": str}
-OPTIONAL = {"input_sha256": str, "output_sha256": str, "error": str, "limits": dict, "points": int}
+OPTIONAL = {"input_sha256": str, "output_sha256": str, "error": str, "limits": dict, "points": int,
+            "input_files": dict, "output_files": dict}  # fmt: skip
 
 
 class Log:

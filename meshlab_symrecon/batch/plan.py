@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.batch.checksums import sha256_of, sha256_of_data
+from meshlab_symrecon.batch.further_files import further_files
 from meshlab_symrecon.batch.inputs import find_scans
 from meshlab_symrecon.batch.names import folded, named
 from meshlab_symrecon.batch.request import RECONSTRUCT, Batch, Limits
@@ -72,7 +73,7 @@ def planned(batch: Batch) -> Plan:
     limits = _limits(batch.limits, count, batch.scheduler)
     jobs = tuple(
         Job(_absolute(scan.path), _absolute(folder / name), name.as_posix(), str(scan.path),
-            str(folder / name), work, limits)
+            str(folder / name), work, limits, further=further_files(_absolute(scan.path)))
         for scan, name in zip(scans, names, strict=True)
     )  # fmt: skip
     log = Path(batch.log) if batch.log is not None else folder / LOG
@@ -164,7 +165,8 @@ def _check_places(jobs: Iterable[Job], others: Iterable[Path]) -> None:
     first: dict[str, Job] = {}
     scans = {os.path.realpath(job.scan): job for job in jobs}
     among = {os.path.dirname(path): job for path, job in scans.items()}  # noqa: PTH120
-    kept = set(scans) | {os.path.realpath(path) for path in others}
+    behind = (file for job in jobs for file in job.further)
+    kept = set(scans) | {os.path.realpath(path) for path in (*others, *behind)}
     for job in jobs:
         target = os.path.realpath(job.output)
         if target in kept or (os.path.lexists(target) and _same_as_any(job.output, scans)):
@@ -184,7 +186,7 @@ def _check_written(
     jobs: Iterable[Job], others: Iterable[Path], log: Path, summary: Path | None
 ) -> None:
     """Refuse a log or a summary in the place of another file of the batch."""
-    files = [file for job in jobs for file in (job.scan, job.output)]
+    files = [file for job in jobs for file in (job.scan, job.output, *job.further)]
     used = {folded(os.path.realpath(file)) for file in (*files, *others)}
     scans = [os.path.realpath(job.scan) for job in jobs]
     for what, path in (("log", log), ("summary", summary)):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from meshlab_symrecon.batch.further_files import checksums_of, further_files
 from meshlab_symrecon.batch.reports import DONE, FAILED, NOT_WRITTEN, OUT_OF_MEMORY, TOO_LARGE
 from meshlab_symrecon.batch.request import Limits
 from meshlab_symrecon.batch.versions import versions
@@ -67,6 +68,8 @@ class Job:
     limits : Limits
     again : str or None
         Why it is done again.
+    further : tuple of Path
+        The files behind the scan: meshes of a project, materials, images.
     """
 
     scan: Path
@@ -77,6 +80,7 @@ class Job:
     work: Work
     limits: Limits
     again: str | None = None
+    further: tuple[Path, ...] = ()
 
 
 def do_job(job: Job, *, progress: Progress) -> dict[str, Any]:
@@ -87,6 +91,7 @@ def do_job(job: Job, *, progress: Progress) -> dict[str, Any]:
         mesh_set = _worked(job, found, progress)
         progress(1.0, f"writing {job.output}")
         _save(mesh_set, job)
+        found["output_files"] = checksums_of(further_files(job.output), job.output.parent)
     except SymReconError as error:
         return found | {"status": _status(error), "error": str(error)}
     except MemoryError:
