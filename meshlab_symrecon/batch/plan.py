@@ -14,10 +14,10 @@ from meshlab_symrecon.batch.further_files import further_files
 from meshlab_symrecon.batch.inputs import find_scans
 from meshlab_symrecon.batch.names import folded, named
 from meshlab_symrecon.batch.request import RECONSTRUCT, Batch, Limits
-from meshlab_symrecon.batch.versions import versions
 from meshlab_symrecon.batch.work import Job, Work
 from meshlab_symrecon.errors import FileError, ParameterError
 from meshlab_symrecon.host.atomic import check_target, flush_folder, reason
+from meshlab_symrecon.host.versions import versions_of_filters, versions_of_results
 
 __all__ = ["Plan", "planned"]
 
@@ -99,6 +99,7 @@ def _work(batch: Batch) -> Work:
 
     if batch.strict and batch.lenient:
         raise ParameterError("strict and lenient contradict each other; give one")
+    versions = versions_of_results()
     script, checksum, name = b"", None, os.fspath(batch.script)
     if name == RECONSTRUCT:
         if batch.strict or batch.lenient:
@@ -111,12 +112,13 @@ def _work(batch: Batch) -> Work:
             raise ParameterError(f"{message}; write them in the script")
         steps = checked_script(name, strict=batch.strict, lenient=batch.lenient)
         script, checksum = pickle.dumps(steps), sha256_of(Path(name))
+        versions |= versions_of_filters(step.name for step in steps.steps)
     made_of: dict[str, Any] = {
         "script": name if checksum is None else checksum,
         "settings": dict(batch.settings),
         "strict": batch.strict,
         "lenient": batch.lenient,
-        "versions": versions(),
+        "versions": versions,
     }
     return Work(
         name=name,
@@ -125,7 +127,7 @@ def _work(batch: Batch) -> Work:
         settings=dict(batch.settings),
         strict=batch.strict,
         lenient=batch.lenient,
-        versions=versions(),
+        versions=versions,
         sha256=sha256_of_data(made_of),
     )
 

@@ -107,5 +107,7 @@ def test_the_meshes_of_a_project_are_not_written_over(place, monkeypatch):
         {"log": "in/meshes/m2.ply"},
     ):
         with pytest.raises(FileError, match="would overwrite"):
-            run_batch(Batch(**({"script": "halve.mlx", "inputs": ["in/p2.mlp"], "folder": "x"} | how)))
+            run_batch(
+                Batch(**({"script": "halve.mlx", "inputs": ["in/p2.mlp"], "folder": "x"} | how))
+            )
     assert (place / "in/meshes/m2.ply").read_bytes() == before
