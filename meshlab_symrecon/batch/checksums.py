@@ -8,23 +8,19 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-__all__ = ["sha256_of", "sha256_of_data"]
+from meshlab_symrecon.host import checksums
 
-CHUNK = 1 << 20  # bytes
+__all__ = ["sha256_of", "sha256_of_data"]
 
 
 def sha256_of(path: Path) -> str | None:
     """Return the checksum of a file, as ``sha256sum`` tells it; None when it cannot be read."""
-    digest = hashlib.sha256()
     try:
         if not path.is_file():  # reading from a pipe would wait for ever
             return None
-        with path.open("rb") as file:
-            while chunk := file.read(CHUNK):
-                digest.update(chunk)
+        return checksums.sha256_of(path)
     except (OSError, ValueError):
         return None
-    return digest.hexdigest()
 
 
 def sha256_of_data(data: Mapping[str, Any]) -> str:

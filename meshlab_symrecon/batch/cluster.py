@@ -15,9 +15,9 @@ from typing import Any
 
 from meshlab_symrecon.batch.reports import ScanReport
 from meshlab_symrecon.batch.supervision import supervised
-from meshlab_symrecon.batch.versions import versions
 from meshlab_symrecon.batch.work import Job
 from meshlab_symrecon.errors import HostError, SymReconError
+from meshlab_symrecon.host.versions import versions_of_results
 
 __all__ = ["on_cluster"]
 
@@ -111,7 +111,7 @@ def _connected(address: str) -> Iterator[Any]:
 def _check_workers(client: Any, address: str) -> None:
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
-        there = client.run(versions)
+        there = client.run(versions_of_results)
     except TimeoutError as error:
         message = f"the dask scheduler at {address} has no workers"
         raise HostError(f"{message}; start some with 'dask worker {address}'") from error
@@ -127,4 +127,4 @@ def _check_workers(client: Any, address: str) -> None:
 
 
 def _here() -> dict[str, str]:
-    return versions()
+    return versions_of_results()

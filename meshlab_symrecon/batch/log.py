@@ -19,7 +19,8 @@ __all__ = ["Log", "opened_log"]
 
 BEGINNING = b'{"scan": '
 REQUIRED = {"scan": str, "output": str, "name": str, "status": str, "work_sha256": str}
-OPTIONAL = {"input_sha256": str, "output_sha256": str, "error": str, "limits": dict, "points": int}
+OPTIONAL = {"input_sha256": str, "output_sha256": str, "error": str, "limits": dict, "points": int,
+            "input_files": dict, "output_files": dict}  # fmt: skip
 
 
 class Log:
@@ -36,7 +37,7 @@ class Log:
 
     def __init__(self, path: Path, descriptor: int) -> None:
         self.path, self._descriptor = path, descriptor
-        self.reports, self.passed_over = _read(_mended(descriptor))
+        self.reports, self.passed_over = _read(_mended(descriptor, path))
 
     def append(self, report: ScanReport) -> None:
         """Write one line, and have it on the disk.
@@ -72,7 +73,7 @@ def opened_log(path: Path) -> Iterator[Log]:
     Raises
     ------
     FileError
-        It cannot be opened, or another process has it open.
+        It cannot be opened, another process has it open, or it holds something else.
     """
     new = not path.exists()
     try:
@@ -108,13 +109,22 @@ def _lock(descriptor: int, path: Path) -> None:
         raise FileError(f"{message}; wait for it, or give other folders and logs") from error
 
 
-def _mended(descriptor: int) -> bytes:
-    """Return what a log holds, after what a pulled plug has left at its end was removed."""
+def _mended(descriptor: int, path: Path) -> bytes:
+    """Return what a log holds, after what a pulled plug has left at its end was removed.
+
+    Raises
+    ------
+    FileError
+        It is no log; it is as it was.
+    """
     with os.fdopen(os.dup(descriptor), "rb") as file:
         file.seek(0)
         data = file.read()
     whole = data.rstrip(b"\0")  # some file systems fill with zeros what was not yet written
     end = whole.rfind(b"\n") + 1
+    if not _is_log(whole[:end].split(b"\n"), whole[end:]):
+        message = f"{path} holds something else than the log of a batch"
+        raise FileError(f"{message}; give another path with --log")
     last = whole[end:]
     if last and (_record(last) is not None or not _is_half_ours(last)):
         end = len(whole)
@@ -123,6 +133,13 @@ def _mended(descriptor: int) -> bytes:
     if end and not whole[:end].endswith(b"\n"):
         os.write(descriptor, b"\n")
     return whole[:end]
+
+
+def _is_log(lines: list[bytes], rest: bytes) -> bool:
+    """Say whether a line is ours; before the first is whole, half of it, or nothing at all, do."""
+    if any(_record(line) is not None for line in (*lines, rest)):
+        return True
+    return not any(line.strip() for line in lines) and _is_half_ours(rest)
 
 
 def _is_half_ours(line: bytes) -> bool:

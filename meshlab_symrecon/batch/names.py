@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 import string
-import sys
+import unicodedata
 from collections.abc import Iterable, Sequence
 from pathlib import Path, PurePosixPath
 
 from meshlab_symrecon.batch.inputs import Scan
 from meshlab_symrecon.errors import ParameterError
 
-__all__ = ["FIELDS", "named"]
+__all__ = ["FIELDS", "folded", "named"]
 
 FIELDS = {
     "stem": "the scan's name without its extension",
@@ -51,7 +51,7 @@ def named(
     )
     first: dict[str, Scan] = {}
     for scan, name in zip(scans, names, strict=True):
-        other = first.setdefault(_folded(name), scan)
+        other = first.setdefault(folded(str(name)), scan)
         if other is not scan:
             message = f"{other.path} and {scan.path} would both become {name}"
             raise ParameterError(f"{message}; {_mended(template, other, scan)}")
@@ -109,10 +109,13 @@ def _checked(template: str, name: str, writable: Iterable[str]) -> Path:
     return Path(path)
 
 
-def _folded(name: Path) -> str:
-    """Return what is the same for names that the file system takes for one."""
-    text = str(name)
-    return text.casefold() if sys.platform in ("darwin", "win32") else text
+def folded(name: str) -> str:
+    """Return what is the same for names that some file system takes for one.
+
+    Which names those are is the file system's affair, not the operating system's: disks of others
+    are mounted everywhere, and results are copied to them.
+    """
+    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
 
 
 def _mended(template: str, first: Scan, second: Scan) -> str:

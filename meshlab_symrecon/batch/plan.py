@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.batch.checksums import sha256_of, sha256_of_data
+from meshlab_symrecon.batch.further_files import further_files
 from meshlab_symrecon.batch.inputs import find_scans
-from meshlab_symrecon.batch.names import named
+from meshlab_symrecon.batch.names import folded, named
 from meshlab_symrecon.batch.request import RECONSTRUCT, Batch, Limits
-from meshlab_symrecon.batch.versions import versions
 from meshlab_symrecon.batch.work import Job, Work
 from meshlab_symrecon.errors import FileError, ParameterError
 from meshlab_symrecon.host.atomic import check_target, flush_folder, reason
+from meshlab_symrecon.host.versions import versions_of_filters, versions_of_results
 
 __all__ = ["Plan", "planned"]
 
@@ -72,12 +73,13 @@ def planned(batch: Batch) -> Plan:
     limits = _limits(batch.limits, count, batch.scheduler)
     jobs = tuple(
         Job(_absolute(scan.path), _absolute(folder / name), name.as_posix(), str(scan.path),
-            str(folder / name), work, limits)
+            str(folder / name), work, limits, further=further_files(_absolute(scan.path)))
         for scan, name in zip(scans, names, strict=True)
     )  # fmt: skip
     log = Path(batch.log) if batch.log is not None else folder / LOG
     kept = [] if work.name == RECONSTRUCT else [_absolute(Path(batch.script))]
-    _check_places(jobs, kept, _absolute(log))
+    _check_places(jobs, kept)
+    _check_written(jobs, kept, log, None if batch.summary is None else Path(batch.summary))
     plan = Plan(jobs, log, count)
     for place in plan.folders:
         _make(place)
@@ -86,6 +88,8 @@ def planned(batch: Batch) -> Plan:
     if batch.log is None:
         _make(folder)
     check_target(log)
+    if batch.summary is not None:
+        check_target(Path(batch.summary))
     return plan
 
 
@@ -95,6 +99,7 @@ def _work(batch: Batch) -> Work:
 
     if batch.strict and batch.lenient:
         raise ParameterError("strict and lenient contradict each other; give one")
+    versions = versions_of_results()
     script, checksum, name = b"", None, os.fspath(batch.script)
     if name == RECONSTRUCT:
         if batch.strict or batch.lenient:
@@ -107,12 +112,13 @@ def _work(batch: Batch) -> Work:
             raise ParameterError(f"{message}; write them in the script")
         steps = checked_script(name, strict=batch.strict, lenient=batch.lenient)
         script, checksum = pickle.dumps(steps), sha256_of(Path(name))
+        versions |= versions_of_filters(step.name for step in steps.steps)
     made_of: dict[str, Any] = {
         "script": name if checksum is None else checksum,
         "settings": dict(batch.settings),
         "strict": batch.strict,
         "lenient": batch.lenient,
-        "versions": versions(),
+        "versions": versions,
     }
     return Work(
         name=name,
@@ -121,7 +127,7 @@ def _work(batch: Batch) -> Work:
         settings=dict(batch.settings),
         strict=batch.strict,
         lenient=batch.lenient,
-        versions=versions(),
+        versions=versions,
         sha256=sha256_of_data(made_of),
     )
 
@@ -156,11 +162,13 @@ def _absolute(path: Path) -> Path:
     return Path(os.path.abspath(path))  # noqa: PTH100  links stay what they are
 
 
-def _check_places(jobs: Iterable[Job], others: Iterable[Path], log: Path) -> None:
-    """Refuse results among the scans: a later run would take them for scans."""
+def _check_places(jobs: Iterable[Job], others: Iterable[Path]) -> None:
+    """Refuse results among the scans, which a later run would take for scans, and equal ones."""
+    first: dict[str, Job] = {}
     scans = {os.path.realpath(job.scan): job for job in jobs}
     among = {os.path.dirname(path): job for path, job in scans.items()}  # noqa: PTH120
-    kept = set(scans) | {os.path.realpath(path) for path in others}
+    behind = (file for job in jobs for file in job.further)
+    kept = set(scans) | {os.path.realpath(path) for path in (*others, *behind)}
     for job in jobs:
         target = os.path.realpath(job.output)
         if target in kept or (os.path.lexists(target) and _same_as_any(job.output, scans)):
@@ -170,8 +178,27 @@ def _check_places(jobs: Iterable[Job], others: Iterable[Path], log: Path) -> Non
         if neighbour is not None:
             message = f"the results would lie among the scans, beside {neighbour.shown_scan}"
             raise FileError(f"{message}; give a folder of their own with -d")
-    if os.path.realpath(log) in kept | {os.path.realpath(job.output) for job in jobs}:
-        raise FileError(f"the log {log} would overwrite a file of the batch; give another path")
+        other = first.setdefault(folded(target), job)
+        if other is not job:
+            message = f"{other.shown_output} and {job.shown_output} are one file, through a link"
+            raise FileError(f"{message}; give another folder for the results")
+
+
+def _check_written(
+    jobs: Iterable[Job], others: Iterable[Path], log: Path, summary: Path | None
+) -> None:
+    """Refuse a log or a summary in the place of another file of the batch."""
+    files = [file for job in jobs for file in (job.scan, job.output, *job.further)]
+    used = {folded(os.path.realpath(file)) for file in (*files, *others)}
+    scans = [os.path.realpath(job.scan) for job in jobs]
+    for what, path in (("log", log), ("summary", summary)):
+        if path is None:
+            continue
+        place = folded(os.path.realpath(path))
+        if place in used or (path.exists() and _same_as_any(path, scans)):
+            message = f"the {what} {path} would overwrite a file of the batch"
+            raise FileError(f"{message}; give another path")
+        used.add(place)
 
 
 def _same_as_any(path: Path, scans: Iterable[str]) -> bool:

@@ -46,6 +46,9 @@ class ScanReport:
         One sentence.
     input_sha256, output_sha256 : str or None
         Checksums of the two files.
+    input_files, output_files : mapping of str to str
+        Checksums of the files behind them, such as the meshes of a project, materials and images;
+        by their names in the same folder, or in full.
     script, script_sha256 : str, str or None
     work_sha256 : str
         Checksum of all that makes the result: script, parameters, versions.
@@ -73,6 +76,8 @@ class ScanReport:
     error: str | None = None
     input_sha256: str | None = None
     output_sha256: str | None = None
+    input_files: Mapping[str, str | None] = field(default_factory=dict)
+    output_files: Mapping[str, str | None] = field(default_factory=dict)
     script: str = ""
     script_sha256: str | None = None
     work_sha256: str = ""

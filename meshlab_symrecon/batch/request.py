@@ -77,6 +77,8 @@ class Batch:
         Address of a dask scheduler, whose workers do the work.
     log : path-like or None
         ``batch.jsonl`` in the folder when None.
+    summary : path-like or None
+        Where the caller will save what became of all scans; refused when it is a file of the batch.
     retry : bool
         Work again on scans that have failed before.
     again : bool
@@ -95,6 +97,7 @@ class Batch:
     jobs: int | None = None
     scheduler: str | None = None
     log: str | PathLike[str] | None = None
+    summary: str | PathLike[str] | None = None
     retry: bool = False
     again: bool = False
 

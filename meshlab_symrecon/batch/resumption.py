@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from joblib import Parallel, delayed
 
 from meshlab_symrecon.batch.checksums import sha256_of
+from meshlab_symrecon.batch.further_files import checksums_of, unchanged
 from meshlab_symrecon.batch.reports import (
     DONE,
     FAILED,
@@ -77,6 +78,8 @@ def _why_again(job: Job, report: ScanReport | None, retry: bool) -> str | None:
         return _difference(job, report)
     if report.input_sha256 is None or sha256_of(job.scan) != report.input_sha256:
         return "the scan has changed"
+    if checksums_of(job.further, job.scan.parent) != dict(report.input_files):
+        return "a file behind the scan has changed"
     most = report.limits.get("points")
     if _points_worked_on(report, most) != _points_worked_on(report, job.limits.points):
         return "the limit of points has been changed"
@@ -89,7 +92,11 @@ def _why_made_again(job: Job, report: ScanReport) -> str | None:
     checksum = sha256_of(job.output)
     if checksum is None:
         return "its result is gone"
-    return None if checksum == report.output_sha256 else "its result has been changed"
+    if checksum != report.output_sha256:
+        return "its result has been changed"
+    if not unchanged(report.output_files, job.output.parent):
+        return "a file of its result is gone or has been changed"
+    return None
 
 
 def _points_worked_on(report: ScanReport, most: object) -> object:

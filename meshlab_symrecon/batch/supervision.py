@@ -15,6 +15,7 @@ from datetime import datetime, timezone
 from typing import Any
 
 from meshlab_symrecon.batch.checksums import sha256_of
+from meshlab_symrecon.batch.further_files import checksums_of
 from meshlab_symrecon.batch.reports import (
     CRASHED,
     DONE,
@@ -85,7 +86,7 @@ def supervised(job: Job, wanted: Callable[[], bool] | None = None) -> ScanReport
         Nobody wants the result any more.
     """
     started = datetime.now(timezone.utc)
-    checksum = sha256_of(job.scan)
+    checksum, behind = sha256_of(job.scan), checksums_of(job.further, job.scan.parent)
     bounds = Bounds(
         seconds=job.limits.seconds,
         memory=job.limits.memory,
@@ -107,6 +108,7 @@ def supervised(job: Job, wanted: Callable[[], bool] | None = None) -> ScanReport
         output=job.shown_output,
         name=job.name,
         input_sha256=checksum,
+        input_files=behind,
         script=job.work.name,
         script_sha256=job.work.script_sha256,
         work_sha256=job.work.sha256,

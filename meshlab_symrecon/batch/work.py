@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from meshlab_symrecon.batch.further_files import checksums_of, further_files
 from meshlab_symrecon.batch.reports import DONE, FAILED, NOT_WRITTEN, OUT_OF_MEMORY, TOO_LARGE
 from meshlab_symrecon.batch.request import Limits
-from meshlab_symrecon.batch.versions import versions
 from meshlab_symrecon.errors import FileError, HostError, SizeError, SymReconError
+from meshlab_symrecon.host.versions import versions_of
 
 if TYPE_CHECKING:
     from meshlab_symrecon.plugin import Progress
@@ -37,6 +38,7 @@ class Work:
     settings : mapping
     strict, lenient : bool
     versions : mapping of str to str
+        Of ours, what it stands on, and the distributions that the script's filters come from.
     sha256 : str
         Checksum of all of these.
     """
@@ -67,6 +69,8 @@ class Job:
     limits : Limits
     again : str or None
         Why it is done again.
+    further : tuple of Path
+        The files behind the scan: meshes of a project, materials, images.
     """
 
     scan: Path
@@ -77,6 +81,7 @@ class Job:
     work: Work
     limits: Limits
     again: str | None = None
+    further: tuple[Path, ...] = ()
 
 
 def do_job(job: Job, *, progress: Progress) -> dict[str, Any]:
@@ -87,6 +92,7 @@ def do_job(job: Job, *, progress: Progress) -> dict[str, Any]:
         mesh_set = _worked(job, found, progress)
         progress(1.0, f"writing {job.output}")
         _save(mesh_set, job)
+        found["output_files"] = checksums_of(further_files(job.output), job.output.parent)
     except SymReconError as error:
         return found | {"status": _status(error), "error": str(error)}
     except MemoryError:
@@ -182,7 +188,7 @@ def _causes(error: BaseException | None) -> list[BaseException]:
 
 
 def _check_versions(work: Work) -> None:
-    here = versions()
+    here = versions_of(work.versions)
     if here != dict(work.versions):
         message = f"this worker has {_listed(here)}, and the batch was started by one that has"
         raise HostError(f"{message} {_listed(work.versions)}; install the same versions on both")

@@ -79,7 +79,7 @@ SEED_LIMIT = 2**31 - 1
     help="For reconstruct: colour by what was measured and what was invented.",
 )  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def batch(summary: Path | None, **given: Any) -> int:
+def batch(**given: Any) -> int:
     """Run a script, or the word "reconstruct" for the whole method, on every scan in IN...
 
     IN are files, folders, and quoted patterns such as 'scans/**/*.ply'. Each scan is worked on in
@@ -94,9 +94,8 @@ def batch(summary: Path | None, **given: Any) -> int:
     from meshlab_symrecon.host.interruption import signal_of_interruption
 
     quiet = _with_options_before(given)
+    summary: Path | None = given["summary"]
     asked = _asked(**given)
-    if summary is not None:
-        _check_summary(summary, asked)
     with display(quiet) as listener:
         try:
             with _time_to_tidy_up():
@@ -179,14 +178,6 @@ def _limits(
     except ParameterError as error:
         raise click.BadParameter(str(error), param_hint="'--memory-limit'") from error
     return Limits(seconds, size, points, threads)
-
-
-def _check_summary(path: Path, asked: Batch) -> None:
-    from meshlab_symrecon.host.files import check_output
-
-    named = [Path(one) for one in asked.inputs if Path(one).is_file()]
-    script = [] if asked.script == RECONSTRUCT else [Path(asked.script)]
-    check_output(path, [*script, *named], ())
 
 
 def _failures(report: BatchReport) -> str:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 import platform
 import re
 from collections.abc import Mapping, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.atomic import reason
+from meshlab_symrecon.host.checksums import sha256_of
 from meshlab_symrecon.host.exact_steps import CHANGE_NAME
 from meshlab_symrecon.host.filter_names import known_today
 from meshlab_symrecon.host.mlx import Param
@@ -23,11 +22,10 @@ from meshlab_symrecon.host.old_names import CHANGE_LAYER
 from meshlab_symrecon.host.record_text import Input, Record, Step, read_record
 from meshlab_symrecon.host.script_history import recorded_script
 from meshlab_symrecon.host.translation import script_name_in_python
+from meshlab_symrecon.host.versions import versions_of_results
 
 __all__ = ["Input", "Record", "Step", "read_record", "record_of", "versions"]
 
-DISTRIBUTIONS = ("meshlab_symrecon", "pymeshlab", "numpy", "scipy", "scikit-learn")
-CHUNK = 1 << 20  # bytes
 FILES = ("RichOpenFile", "RichSaveFile")
 WHOLE = ("RichInt", "RichMesh", "RichEnum")
 REAL = ("RichFloat", "RichAbsPerc", "RichDynamicFloat", "RichPercentage")
@@ -35,7 +33,7 @@ REAL = ("RichFloat", "RichAbsPerc", "RichDynamicFloat", "RichPercentage")
 
 def versions() -> dict[str, str]:
     """Return the versions of what results are made with, and of Python."""
-    return {name: version(name) for name in DISTRIBUTIONS} | {"python": platform.python_version()}
+    return versions_of_results() | {"python": platform.python_version()}
 
 
 def record_of(
@@ -64,10 +62,8 @@ def record_of(
     SymReconWarning
         The record in an input is damaged, and does not go along.
     """
-    used = versions()
-    del used["python"]  # no number depends on it
     return Record(
-        versions=used,
+        versions=versions_of_results(),  # not that of Python: no number depends on it
         inputs=tuple(_input(Path(path)) for path in inputs),
         parameters=_plain(parameters or {}),
         steps=tuple(_step(step) for step in recorded_script(mesh_set).steps),
@@ -75,11 +71,8 @@ def record_of(
 
 
 def _input(path: Path) -> Input:
-    digest = hashlib.sha256()
     try:
-        with path.open("rb") as file:
-            while chunk := file.read(CHUNK):
-                digest.update(chunk)
+        checksum = sha256_of(path)
     except OSError as error:
         raise FileError(f"{path} cannot be read: {reason(error)}; check its path") from error
     try:
@@ -87,7 +80,7 @@ def _input(path: Path) -> Input:
     except FileError as error:
         warn_user(f"{error}; it does not go along")
         earlier = None
-    return Input(path.name, digest.hexdigest(), earlier)
+    return Input(path.name, checksum, earlier)
 
 
 def _step(step: ScriptStep) -> Step:

@@ -83,6 +83,27 @@ def test_other_lines_are_kept_and_passed_over(tmp_path, line):
     assert [report.name for report in read(path)[0]] == ["a.ply", "b.ply"]
 
 
+@pytest.mark.parametrize(
+    "content",
+    [b"ply\nformat ascii 1.0\n" + b"\0" * 99, b"2026-01-01 work began\n", b"{}\n" * 3, b"\x7fELF",
+     b'note\n{"scan": "in/s9.ply", "outp', b"\n\nnote"],
+)  # fmt: skip
+def test_what_is_no_log_is_refused_and_stays(tmp_path, content):
+    path = tmp_path / "precious.bin"
+    path.write_bytes(content)
+    with pytest.raises(FileError, match=r"precious.bin holds something else than the log"):
+        read(path)
+    assert path.read_bytes() == content
+
+
+@pytest.mark.parametrize("content", [b"", b"\n", b"\0" * 4096, b'{"scan": "in/s9.ply", "outp'])
+def test_a_log_whose_first_line_was_never_whole_begins_anew(tmp_path, content):
+    path = tmp_path / "batch.jsonl"
+    path.write_bytes(content)
+    written(path, FIRST)
+    assert [report.name for report in read(path)[0]] == ["a.ply"]
+
+
 HOLD = """
 import sys, time
 from pathlib import Path

@@ -68,6 +68,8 @@ def test_what_a_template_cannot_be(template, words):
         ("a/x.ply", "b/x.ply", "{stem}.ply", "{parent}"),
         ("a/c/x.ply", "b/c/x.ply", "{stem}.ply", "{folder}"),
         ("a/x.ply", "a/y.ply", "all.ply", "{stem}"),
+        ("a/Größe.ply", "a/GRÖSSE.ply", "{stem}.ply", "{number}"),
+        ("a/gr\u00fc\u00df.ply", "a/gru\u0308\u00df.ply", "{stem}.ply", "{number}"),
         ("a/x.ply", "b/x.ply", "{parent}x{script}.ply", None),
     ],
 )

@@ -181,6 +181,38 @@ def test_what_is_done_again_is_told_why(place, monkeypatch, tmp_path):
     assert set(reasons()[0].values()) == {"the script has changed"}
 
 
+def test_no_file_of_a_batch_is_written_over(tmp_path, script, monkeypatch):
+    """Found by a folder, through links, by another spelling: whatever leads to one file."""
+    monkeypatch.chdir(tmp_path)
+    scan = cloud(tmp_path / "in/a.ply", 60)
+    cloud(tmp_path / "in/b.ply", 60)
+    (tmp_path / "twice").mkdir()
+    (tmp_path / "twice/a.ply").symlink_to("b.ply")
+    (tmp_path / "folded/x").mkdir(parents=True)
+    (tmp_path / "folded/y").symlink_to("x")
+    for place in "xy":
+        cloud(tmp_path / "tree" / place / "c.ply", 60)
+    (tmp_path / "hard.json").hardlink_to(scan)
+    (tmp_path / "soft.json").symlink_to("in/b.ply")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.ply") if path.is_file()}
+    tree = {"folder": "folded", "recursive": True, "name": "{folder}/{stem}.ply"}
+    for how, words in (
+        ({"summary": "in/a.ply"}, "the summary in/a.ply would overwrite"),
+        ({"summary": "hard.json"}, "the summary hard.json would overwrite"),
+        ({"summary": "soft.json"}, "the summary soft.json would overwrite"),
+        ({"summary": "out/b.ply"}, "the summary out/b.ply would overwrite"),
+        ({"summary": "out/batch.jsonl"}, "the summary out/batch.jsonl would overwrite"),
+        ({"summary": script}, "the summary .*halve.mlx would overwrite"),
+        ({"log": "hard.json"}, "the log hard.json would overwrite"),
+        ({"summary": "nowhere/r.json"}, "no directory is at"),
+        ({"folder": "twice"}, "twice/a.ply and twice/b.ply are one file, through a link"),
+        ({"inputs": ["tree"], **tree}, "folded/x/c.ply and folded/y/c.ply are one file"),
+    ):
+        with pytest.raises(FileError, match=words):
+            run_batch(Batch(**({"script": script, "inputs": ["in"], "folder": "out"} | how)))
+    assert {path: path.read_bytes() for path in before} == before
+
+
 def test_a_batch_that_is_wrong_starts_nothing(tmp_path, script):
     scan = cloud(tmp_path / "in/a.ply", 60)
     before = scan.read_bytes()

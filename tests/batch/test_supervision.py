@@ -7,12 +7,14 @@ import pickle
 import resource
 import signal
 import threading
+import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import psutil
 import pytest
-from batch_inputs import cloud
+from batch_inputs import SCRIPT, cloud
 
 from meshlab_symrecon.batch import Batch, Limits
 from meshlab_symrecon.batch.plan import planned
@@ -84,12 +86,12 @@ def test_a_bad_scan(tmp_path, job, monkeypatch, count, limits, status, words):
 
 def test_a_scan_that_is_too_large_is_told_before_the_work(tmp_path, job):
     one = job(60, Limits(memory=1 << 30))
-    one.scan.write_bytes(one.scan.read_bytes().replace(b"vertex 60", b"vertex 5000000"))
+    one.scan.write_bytes(one.scan.read_bytes().replace(b"vertex 60", b"vertex 4000000"))
     with one.scan.open("ab") as file:
-        file.truncate(6 * 5_000_000 + 1000)  # what so many points take at least
+        file.truncate(6 * 4_000_000 + 1000)  # what so many points take at least
     report = supervised(one)
     assert report.status == "too large"
-    assert "5000000 points" in report.error
+    assert "4000000 points" in report.error
     assert "--max-points" in report.error
 
 
@@ -161,14 +163,38 @@ def test_a_scan_is_thinned_out_first(tmp_path, job):
 
 
 def test_a_worker_of_another_version_refuses(job):
-    from dataclasses import replace
-
     one = job(60)
     other = replace(one.work, versions=dict(one.work.versions) | {"pymeshlab": "2031.1"})
     report = supervised(replace(one, work=other))
     assert report.status == "failed"
     assert "pymeshlab 2031.1" in report.error
     assert "install the same versions on both" in report.error
+
+
+def test_the_versions_are_those_of_the_records_and_of_the_scripts_filters(job, script, tmp_path):
+    from meshlab_symrecon.batch.resumption import standing
+    from meshlab_symrecon.host.versions import versions_of_results
+
+    one = job(60)
+    assert one.work.versions == versions_of_results() | {"awkward": "1.0"}
+    done = replace(supervised(one), status="failed")
+    assert standing([one], [done], retry=False, again=False).left == ()
+    script.write_text(SCRIPT.replace(' <filter name="Be Awkward"/>\n', ""))
+    assert job(60).work.versions == versions_of_results()
+    script.write_text(SCRIPT)
+    metadata = (
+        Path(sys.modules["awkward_filter"].__file__).parent / "awkward-1.0.dist-info/METADATA"
+    )
+    before = metadata.read_text()
+    try:
+        metadata.write_text(before.replace("Version: 1.0", "Version: 2.0"))
+        newer = job(60)
+        assert newer.work.versions["awkward"] == "2.0"
+        left = standing([newer], [done], retry=False, again=False).left
+        assert [again.again for again in left] == ["it was made by other versions"]
+        assert "awkward 2.0, and the batch was started by one that has" in supervised(one).error
+    finally:
+        metadata.write_text(before)
 
 
 def test_threads_are_told_before_libraries_are_loaded(job, monkeypatch):

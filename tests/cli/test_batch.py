@@ -93,6 +93,8 @@ def test_reconstruct_is_the_whole_method(place, statue, run):
         (("halve.mlx", "in", "-d", "in"), 1, "error: the results would lie among the scans"),
         (("halve.mlx", "in", "-d", "out", "--name", "x.ply"), 1, "would both become x.ply"),
         (("halve.mlx", "in", "-d", "out", "--json", "halve.mlx"), 1, "would overwrite"),
+        (("halve.mlx", "in", "-d", "out", "--json", "in/b.off"), 1, "would overwrite a file"),
+        (("halve.mlx", "in", "-d", "out", "--log", "in/b.off"), 1, "would overwrite a file"),
     ],
 )
 def test_mistakes(place, run, words, code, sentence):
