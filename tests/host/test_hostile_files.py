@@ -8,16 +8,19 @@ import warnings
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from meshlab_symrecon.cli.main import main
 from meshlab_symrecon.errors import FileError, ScriptError, SymReconWarning
 from meshlab_symrecon.host import inspection_obj, inspection_trial, number_lines
-from meshlab_symrecon.host.files import load, new_document, save_current
+from meshlab_symrecon.host.files import check_input, load, new_document, save_current
 from meshlab_symrecon.host.inspection import inspect
 from meshlab_symrecon.host.mlx import read_script
 from meshlab_symrecon.host.project_files import read_project
+from meshlab_symrecon.host.reconstruction import whole_method
 
 WORDS = {
     "i1": "char", "u1": "uchar", "i2": "short", "u2": "ushort", "i4": "int", "u4": "uint",
@@ -433,6 +436,40 @@ def test_a_device_is_no_project(tmp_path):
     os.mkfifo(tmp_path / "a.mlp")
     with pytest.raises(FileError, match="is not an ordinary file"):
         read_project(tmp_path / "a.mlp")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no such pipes")
+@pytest.mark.parametrize("extension", ["ply", "xyz", "glb", "stl"])
+def test_the_method_and_apply_do_not_wait_for_a_pipe(tmp_path, extension):
+    path, output = tmp_path / f"a.{extension}", tmp_path / "out.ply"
+    os.mkfifo(path)
+    with pytest.raises(FileError, match="is not an ordinary file"):
+        whole_method(path, {}, lambda fraction, message: None)
+    words = ["apply", "generate_reflection_planes", str(path), "-o", str(output)]
+    said = CliRunner().invoke(main, words)
+    assert said.exit_code == 1
+    assert "is not an ordinary file" in said.output
+    assert not output.exists()
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [(None, "no such file"), (b"", "is empty"), (b"x", "")],
+)
+def test_inputs_are_looked_at_first(tmp_path, content, words):
+    path = tmp_path / "a.ply"
+    if content is not None:
+        path.write_bytes(content)
+    if words:
+        with pytest.raises(FileError, match=words):
+            check_input(path)
+    else:
+        assert check_input(path) is None
+
+
+def test_an_input_with_an_impossible_name(tmp_path):
+    with pytest.raises(FileError, match="name too long"):
+        check_input(tmp_path / ("a" * 300))
 
 
 def test_a_script_without_an_end(monkeypatch):
