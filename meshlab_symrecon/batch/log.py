@@ -36,7 +36,7 @@ class Log:
 
     def __init__(self, path: Path, descriptor: int) -> None:
         self.path, self._descriptor = path, descriptor
-        self.reports, self.passed_over = _read(_mended(descriptor))
+        self.reports, self.passed_over = _read(_mended(descriptor, path))
 
     def append(self, report: ScanReport) -> None:
         """Write one line, and have it on the disk.
@@ -72,7 +72,7 @@ def opened_log(path: Path) -> Iterator[Log]:
     Raises
     ------
     FileError
-        It cannot be opened, or another process has it open.
+        It cannot be opened, another process has it open, or it is a file of another kind.
     """
     new = not path.exists()
     try:
@@ -108,7 +108,7 @@ def _lock(descriptor: int, path: Path) -> None:
         raise FileError(f"{message}; wait for it, or give other folders and logs") from error
 
 
-def _mended(descriptor: int) -> bytes:
+def _mended(descriptor: int, path: Path) -> bytes:
     """Return what a log holds, after what a pulled plug has left at its end was removed."""
     with os.fdopen(os.dup(descriptor), "rb") as file:
         file.seek(0)
@@ -116,6 +116,9 @@ def _mended(descriptor: int) -> bytes:
     whole = data.rstrip(b"\0")  # some file systems fill with zeros what was not yet written
     end = whole.rfind(b"\n") + 1
     last = whole[end:]
+    if whole and not _holds_ours(whole[:end], last):
+        message = f"{path} holds something else than the log of a batch"
+        raise FileError(f"{message}; give another path with --log, or another folder")
     if last and (_record(last) is not None or not _is_half_ours(last)):
         end = len(whole)
     if end < len(data):
@@ -123,6 +126,13 @@ def _mended(descriptor: int) -> bytes:
     if end and not whole[:end].endswith(b"\n"):
         os.write(descriptor, b"\n")
     return whole[:end]
+
+
+def _holds_ours(lines: bytes, last: bytes) -> bool:
+    """Say whether a file is a log: it has a line of ours, or half of its first one."""
+    if not lines and _is_half_ours(last):
+        return True
+    return any(_record(line) is not None for line in (*lines.split(b"\n"), last) if line)
 
 
 def _is_half_ours(line: bytes) -> bool:

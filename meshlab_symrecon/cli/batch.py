@@ -182,11 +182,20 @@ def _limits(
 
 
 def _check_summary(path: Path, asked: Batch) -> None:
-    from meshlab_symrecon.host.files import check_output
+    """Refuse a summary in the place of a scan, the script, the log or a result."""
+    from meshlab_symrecon.batch.inputs import find_scans
+    from meshlab_symrecon.batch.names import named
+    from meshlab_symrecon.batch.plan import LOG
+    from meshlab_symrecon.host.files import READABLE, WRITABLE, check_output
+    from meshlab_symrecon.host.projects import PROJECT
 
-    named = [Path(one) for one in asked.inputs if Path(one).is_file()]
-    script = [] if asked.script == RECONSTRUCT else [Path(asked.script)]
-    check_output(path, [*script, *named], ())
+    folder, script = Path(asked.folder), str(asked.script)
+    scans = find_scans(asked.inputs, readable=READABLE, recursive=asked.recursive, results=folder)
+    names = named(asked.name, scans, script=script, writable=(*WRITABLE, PROJECT))
+    log = folder / LOG if asked.log is None else Path(asked.log)
+    used = [] if script == RECONSTRUCT else [Path(script)]
+    used += [*(scan.path for scan in scans), log, *(folder / name for name in names)]
+    check_output(path, used, ())
 
 
 def _failures(report: BatchReport) -> str:

@@ -83,6 +83,26 @@ def test_other_lines_are_kept_and_passed_over(tmp_path, line):
     assert [report.name for report in read(path)[0]] == ["a.ply", "b.ply"]
 
 
+@pytest.mark.parametrize(
+    "content",
+    [b"ply\nformat ascii 1.0\n", b"one line", b'{"a": 1}\n', b"\x01\x02\n\0\0\0", b"\n\n\n"],
+)
+def test_another_file_is_not_taken_for_a_log(tmp_path, content):
+    path = tmp_path / "scan.ply"
+    path.write_bytes(content)
+    with pytest.raises(FileError, match="holds something else than the log of a batch"):
+        read(path)
+    assert path.read_bytes() == content
+
+
+@pytest.mark.parametrize("content", [b"", b"\0" * 4096, b'{"scan": "a.ply", "outp', b'{"sc'])
+def test_a_first_line_that_was_never_finished_is_mended(tmp_path, content):
+    path = tmp_path / "batch.jsonl"
+    path.write_bytes(content)
+    assert read(path) == ((), 0)
+    assert path.read_bytes() == b""
+
+
 HOLD = """
 import sys, time
 from pathlib import Path
