@@ -1,13 +1,14 @@
 """Throw broken, odd and malicious command lines at the real commands, and look at what they do.
 
-``python benchmarks/fuzz_commands.py [--count N] [--seed N] [--jobs N] [--keep DIR]``. Each is a
-command in a folder of its own: filters of ours and MeshLab's with values from every corner, filter
-scripts with words, numbers and structure changed, options that do not exist, files that are no
-meshes, pipes and links, outputs in impossible places, batches with odd templates, patterns and
-limits, broken projects, and meshlabserver's command line. A command must end within a
+    python benchmarks/fuzz_commands.py [--count N] [--seed N] [--jobs N] [--only KIND ...]
+
+Each is a command in a folder of its own: filters of ours and MeshLab's with values from every
+corner, filter scripts with words, numbers and structure changed, options that do not exist, files
+that are no meshes, pipes and links, outputs in impossible places, batches with odd templates,
+patterns and limits, broken projects, and meshlabserver's command line. A command must end within a
 minute with the exit code 0, 1 or 2; with a sentence and without a traceback; its inputs must be as
 they were, what it wrote must be whole, and nothing half-written may be left. Ends with 1 when one
-does not; the folders of those are kept.
+does not; the folders of those are kept, in ``--keep DIR`` when it is given.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzz_inputs import Input
-from fuzz_kinds import drawn
+from fuzz_kinds import NAMES, drawn
 
 MINUTE = 60.0
 MEMORY = 6 << 30  # bytes of memory of its own that a command may use
@@ -54,8 +55,7 @@ def limited() -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def tried(number: int, seed: int, keep: Path) -> Outcome:
-    given = drawn(seed, number)
+def tried(given: Input, number: int, keep: Path) -> Outcome:
     folder = keep / f"{number:05}"
     folder.mkdir(parents=True)
     prepared(folder, given)
@@ -177,6 +177,7 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--only", nargs="*", default=[], choices=NAMES)
     parser.add_argument("--keep", type=Path)
     given = parser.parse_args()
     keep = given.keep or Path(tempfile.mkdtemp(prefix="fuzz-commands-"))
@@ -184,7 +185,8 @@ def main() -> int:
     slowest, faulty = 0.0, 0
     numbers = range(given.first, given.first + given.count)
     with ThreadPoolExecutor(given.jobs) as pool:
-        for outcome in pool.map(lambda number: tried(number, given.seed, keep), numbers):
+        inputs = (drawn(given.seed, number, given.only) for number in numbers)
+        for outcome in pool.map(lambda one, number: tried(one, number, keep), inputs, numbers):
             codes[outcome.code] += 1
             slowest = max(slowest, outcome.seconds)
             if outcome.faults:

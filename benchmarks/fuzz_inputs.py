@@ -185,8 +185,15 @@ def value(rng: random.Random) -> str:
 
 
 def of_filter(rng: random.Random) -> Input:
-    ours = rng.random() < 0.5
-    name = rng.choice(OURS if ours else native_names())
+    return applied(rng, rng.choice(OURS))
+
+
+def of_native(rng: random.Random) -> Input:
+    return applied(rng, rng.choice(native_names()))
+
+
+def applied(rng: random.Random, name: str) -> Input:
+    """A filter on one or two layers, with a few of its options."""
     words = ["apply", name, *shape_names(rng)]
     for option in rng.choices(options(name), k=rng.choice([0, 1, 1, 2, 4])):
         words += [option, value(rng)]
