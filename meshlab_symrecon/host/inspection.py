@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from meshlab_symrecon.host.held import Held
+from meshlab_symrecon.host.inspection_3ds import check_3ds
+from meshlab_symrecon.host.inspection_gltf import check_gltf
 from meshlab_symrecon.host.inspection_lengths import check_length
 from meshlab_symrecon.host.inspection_obj import check_obj
 from meshlab_symrecon.host.inspection_off import check_off
@@ -27,6 +29,12 @@ CHECKS: Mapping[str, Callable[[Path], Held]] = {
     "apts": check_points_text,
 }
 
+NUMBERED: Mapping[str, Callable[[Path], None]] = {
+    "3ds": check_3ds,
+    "glb": check_gltf,
+    "gltf": check_gltf,
+}
+
 
 def inspect(path: Path, extension: str) -> Held:
     """Check a file; return what it holds.
@@ -40,4 +48,6 @@ def inspect(path: Path, extension: str) -> Held:
         return CHECKS[extension](path)
     check_length(path, extension)
     check_numbers(path, extension)
+    if extension in NUMBERED:
+        NUMBERED[extension](path)
     return Held(try_in_child(path))
