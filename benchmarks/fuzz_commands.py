@@ -1,12 +1,14 @@
 """Throw broken, odd and malicious command lines at the real commands, and look at what they do.
 
-``python benchmarks/fuzz_commands.py [--count N] [--seed N] [--jobs N] [--keep DIR]``. Each is a
-command in a folder of its own: filters of ours and MeshLab's with values from every corner, filter
-scripts with words, numbers and structure changed, options that do not exist, files that are no
-meshes, outputs in impossible places, and meshlabserver's command line. A command must end within a
+    python benchmarks/fuzz_commands.py [--count N] [--seed N] [--jobs N] [--only KIND ...]
+
+Each is a command in a folder of its own: filters of ours and MeshLab's with values from every
+corner, filter scripts with words, numbers and structure changed, options that do not exist, files
+that are no meshes, pipes and links, outputs in impossible places, batches with odd templates,
+patterns and limits, broken projects, and meshlabserver's command line. A command must end within a
 minute with the exit code 0, 1 or 2; with a sentence and without a traceback; its inputs must be as
 they were, what it wrote must be whole, and nothing half-written may be left. Ends with 1 when one
-does not; the folders of those are kept.
+does not; the folders of those are kept, in ``--keep DIR`` when it is given.
 """
 
 from __future__ import annotations
@@ -27,7 +29,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from fuzz_inputs import Input, drawn
+from fuzz_inputs import Input
+from fuzz_kinds import NAMES, drawn
 
 MINUTE = 60.0
 MEMORY = 6 << 30  # bytes of memory of its own that a command may use
@@ -52,12 +55,10 @@ def limited() -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def tried(number: int, seed: int, keep: Path) -> Outcome:
-    given = drawn(seed, number)
+def tried(given: Input, number: int, keep: Path) -> Outcome:
     folder = keep / f"{number:05}"
     folder.mkdir(parents=True)
-    for name, content in given.files.items():
-        (folder / name).write_bytes(content)
+    prepared(folder, given)
     program = "server" if given.server else "main"
     command = [sys.executable, "-m", f"meshlab_symrecon.cli.{program}", *given.words]
     one = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
@@ -81,6 +82,20 @@ def tried(number: int, seed: int, keep: Path) -> Outcome:
     return outcome
 
 
+def prepared(folder: Path, given: Input) -> None:
+    """Make the files, pipes, folders and links that a command finds."""
+    for name, content in given.files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content)
+    for name, kind in given.made.items():
+        if kind == "fifo":
+            os.mkfifo(folder / name)
+        elif kind == "folder":
+            (folder / name).mkdir()
+        else:
+            (folder / name).symlink_to(kind)
+
+
 def faults_of(given: Input, folder: Path, code: int, seconds: float, said: str) -> Iterator[str]:
     if code < 0:
         yield f"ended by signal {-code}"
@@ -95,6 +110,7 @@ def faults_of(given: Input, folder: Path, code: int, seconds: float, said: str) 
     if code == 0 and re.search(r"(?m)^error: ", said):
         yield "an error, but exit code 0"
     outputs = set(given.words)
+    scripts_written = outputs if "--to-python" in outputs else set()
     for name, content in given.files.items():
         path = folder / name
         if given.server and name in outputs and given.words.count(name) > 1:
@@ -104,7 +120,11 @@ def faults_of(given: Input, folder: Path, code: int, seconds: float, said: str) 
     for path in folder.rglob("*"):
         if path.name.startswith(".symrecon"):
             yield f"{path.name} was left"
-        elif path.is_file() and path.name not in given.files and not whole(path):
+        elif (
+            path.is_file()
+            and str(path.relative_to(folder)) not in {*given.files, *given.made, *scripts_written}
+            and not whole(path)
+        ):
             yield f"{path.name} is not whole"
 
 
@@ -116,15 +136,22 @@ def whole(path: Path) -> bool:
     """Say whether a file that was written is not cut off, as far as a glance can tell."""
     content = path.read_bytes()
     if path.suffix == ".json":
-        try:
-            json.loads(content)
-        except ValueError:
-            return False
+        return is_json(content)
+    if path.suffix == ".jsonl":
+        return all(is_json(line) for line in content.splitlines())
     if path.suffix in (".mlx", ".mlp"):
         return content.rstrip().endswith(b">")
     if path.suffix == ".ply":
         return whole_ply(content)
     return bool(content)
+
+
+def is_json(content: bytes) -> bool:
+    try:
+        json.loads(content)
+    except ValueError:
+        return False
+    return True
 
 
 def whole_ply(content: bytes) -> bool:
@@ -150,6 +177,7 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--only", nargs="*", default=[], choices=NAMES)
     parser.add_argument("--keep", type=Path)
     given = parser.parse_args()
     keep = given.keep or Path(tempfile.mkdtemp(prefix="fuzz-commands-"))
@@ -157,7 +185,8 @@ def main() -> int:
     slowest, faulty = 0.0, 0
     numbers = range(given.first, given.first + given.count)
     with ThreadPoolExecutor(given.jobs) as pool:
-        for outcome in pool.map(lambda number: tried(number, given.seed, keep), numbers):
+        inputs = (drawn(given.seed, number, given.only) for number in numbers)
+        for outcome in pool.map(lambda one, number: tried(one, number, keep), inputs, numbers):
             codes[outcome.code] += 1
             slowest = max(slowest, outcome.seconds)
             if outcome.faults:

@@ -1,4 +1,4 @@
-"""Broken, odd and malicious command lines, each a function of a seed and a number."""
+"""Broken, odd and malicious command lines of single jobs."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import random
 import re
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -33,11 +32,22 @@ WORDS = re.compile(rb'"[^"]*"|[<>/=]|[A-Za-z]+|[-+.\d]+')
 
 @dataclass(frozen=True)
 class Input:
-    """A command line, and the files that are there before it runs."""
+    """A command line, and the files that are there before it runs.
+
+    Attributes
+    ----------
+    words : tuple of str
+    files : mapping
+    server : bool
+        Whether it is meshlabserver's.
+    made : mapping
+        What else is there: ``fifo``, ``folder``, or where a link leads to.
+    """
 
     words: tuple[str, ...]
     files: dict[str, bytes] = field(default_factory=dict)
     server: bool = False
+    made: dict[str, str] = field(default_factory=dict)
 
 
 def cloud(rng: random.Random) -> bytes:
@@ -175,8 +185,15 @@ def value(rng: random.Random) -> str:
 
 
 def of_filter(rng: random.Random) -> Input:
-    ours = rng.random() < 0.5
-    name = rng.choice(OURS if ours else native_names())
+    return applied(rng, rng.choice(OURS))
+
+
+def of_native(rng: random.Random) -> Input:
+    return applied(rng, rng.choice(native_names()))
+
+
+def applied(rng: random.Random, name: str) -> Input:
+    """A filter on one or two layers, with a few of its options."""
     words = ["apply", name, *shape_names(rng)]
     for option in rng.choices(options(name), k=rng.choice([0, 1, 1, 2, 4])):
         words += [option, value(rng)]
@@ -242,7 +259,9 @@ def of_words(rng: random.Random) -> Input:
         else:
             words[place] = words[rng.randrange(len(words))]
     there = files(rng) | {"s.mlx": rng.choice(scripts())}
-    return Input(tuple(word.replace("\0", "") for word in words), there)
+    if words[0] == "batch":  # results in the root of the machine, or scans
+        words = ["." if word == "/" else word for word in words]
+    return Input(tuple(words), there)
 
 
 def of_server(rng: random.Random) -> Input:
@@ -268,14 +287,3 @@ def extension(rng: random.Random) -> str:
     return rng.choice(
         ["ply", "ply", "ply", "obj", "off", "stl", "xyz", "mlp", "3ds", "x3d", "e57", "no"]
     )
-
-
-KINDS: tuple[tuple[Callable[[random.Random], Input], int], ...] = (
-    (of_filter, 35), (of_script, 30), (of_file, 15), (of_words, 12), (of_server, 8),
-)  # fmt: skip
-
-
-def drawn(seed: int, number: int) -> Input:
-    rng = random.Random(f"{seed} {number}")
-    makers, weights = zip(*KINDS, strict=True)
-    return rng.choices(makers, weights)[0](rng)

@@ -49,12 +49,14 @@ def find_scans(
     Raises
     ------
     FileError
-        One of them does not exist, or there is no scan in any.
+        One of them does not exist or has no name, or there is no scan in any.
     """
     extensions = {f".{extension}" for extension in readable if extension != NOTES}
     found: list[Scan] = []
     for text in (os.fspath(one) for one in inputs):
         path = Path(text)
+        if not text:  # to a path it would be the folder that we are in
+            raise FileError("an input has no name; is a variable of the shell empty?")
         if path.is_dir():
             base, files = path, _in_folder(path, recursive)
         elif not os.path.lexists(path) and MAGIC.search(text):

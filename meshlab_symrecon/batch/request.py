@@ -14,6 +14,7 @@ __all__ = ["RECONSTRUCT", "Batch", "Limits", "bytes_of", "in_bytes"]
 
 RECONSTRUCT = "reconstruct"  # in place of a script: the whole method
 UNITS = {"": 1, "K": 1 << 10, "M": 1 << 20, "G": 1 << 30, "T": 1 << 40}
+MOST = 1 << 60  # bytes; systems count in 64 bits with a sign
 SIZE = re.compile(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*([KMGT]?)(?:I?B)?\s*", re.IGNORECASE)
 
 
@@ -111,9 +112,10 @@ def bytes_of(text: str) -> int:
         It is no size.
     """
     found = SIZE.fullmatch(text)
-    if found is None or float(found[1]) == 0.0:
+    size = 0.0 if found is None else float(found[1]) * UNITS[found[2].upper()]
+    if not 0.0 < size <= MOST:
         raise ParameterError(f"'{text}' is no size of memory; give one like 500M or 4G")
-    return max(1, round(float(found[1]) * UNITS[found[2].upper()]))
+    return max(1, round(size))
 
 
 def in_bytes(count: int) -> str:

@@ -151,7 +151,7 @@ class Files:
 def _run(item: Any, files: Files, values: Mapping[str, Any], work: LongWork) -> None:
     from meshlab_symrecon.cli import reports
     from meshlab_symrecon.host.atomic import together
-    from meshlab_symrecon.host.files import load, new_document, save_current
+    from meshlab_symrecon.host.files import check_input, load, new_document, save_current
     from meshlab_symrecon.host.interruption import telling
     from meshlab_symrecon.host.records import record_of
     from meshlab_symrecon.host.registration import apply_filter
@@ -159,6 +159,8 @@ def _run(item: Any, files: Files, values: Mapping[str, Any], work: LongWork) -> 
     from meshlab_symrecon.host.thinning import thin_current
 
     _check_files(files)
+    for path in files.inputs:
+        check_input(path)
     check_memory(files.inputs, most=files.most, steps=(item.python_name,), work="this filter")
     mesh_set = new_document()
     with together(), work.progress(item.menu_name) as progress:

@@ -158,7 +158,7 @@ class _Reader:
         if behind_output and following and re.fullmatch(r"-\d+", following[0]):
             raise click.UsageError(f"-l behind -o takes a layer: N, c or x; got '{following[0]}'")
         word = self.one(option)
-        if not self.groups or not (word in LAYERS or word.isdecimal()):
+        if not self.groups or not (word in LAYERS or re.fullmatch("[0-9]{1,9}", word)):
             if behind_output and re.fullmatch(r"\d+|.", word):
                 raise click.UsageError(f"-l behind -o takes a layer: N, c or x; got '{word}'")
             self.set_file(option, word)

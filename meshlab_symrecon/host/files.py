@@ -38,6 +38,7 @@ from meshlab_symrecon.host.whole import check_whole, points_in_faces
 __all__ = [
     "READABLE",
     "WRITABLE",
+    "check_input",
     "check_output",
     "load",
     "new_document",
@@ -150,7 +151,7 @@ def _readable(path: Path) -> AbstractContextManager[Path]:
 def _checked_before(path: Path) -> Held:
     """Check a file before MeshLab touches it; return what it holds."""
     try:
-        _check_readable(path)
+        check_input(path)
         return inspect(path, _extension(path, READABLE, "read"))
     except FileError:
         raise
@@ -159,7 +160,24 @@ def _checked_before(path: Path) -> Held:
         raise FileError(f"{path} cannot be read: {words}; check its path") from error
 
 
-def _check_readable(path: Path) -> None:
+def check_input(path: str | Path) -> None:
+    """Refuse what is no file with something in it, before any other look at it.
+
+    Whoever opens a pipe may wait for ever.
+
+    Raises
+    ------
+    FileError
+        No such file, not an ordinary one, empty, or the system refused.
+    """
+    path = Path(path)
+    try:
+        _check_ordinary(path)
+    except OSError as error:
+        raise FileError(f"{path} cannot be read: {reason(error)}; check its path") from error
+
+
+def _check_ordinary(path: Path) -> None:
     if not path.exists():
         raise FileError(f"{path} cannot be read: no such file; check its path")
     if not path.is_file():

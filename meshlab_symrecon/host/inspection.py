@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from meshlab_symrecon.host.held import Held
+from meshlab_symrecon.host.inspection_3ds import check_3ds
 from meshlab_symrecon.host.inspection_asc import notes_on_lines
+from meshlab_symrecon.host.inspection_gltf import check_gltf
 from meshlab_symrecon.host.inspection_lengths import check_length
 from meshlab_symrecon.host.inspection_obj import check_obj
 from meshlab_symrecon.host.inspection_off import check_off
@@ -29,6 +31,12 @@ CHECKS: Mapping[str, Callable[[Path], Held]] = {
     "apts": check_points_text,
 }
 
+NUMBERED: Mapping[str, Callable[[Path], None]] = {
+    "3ds": check_3ds,
+    "glb": check_gltf,
+    "gltf": check_gltf,
+}
+
 
 def inspect(path: Path, extension: str) -> Held:
     """Check a file; return what it holds.
@@ -43,5 +51,7 @@ def inspect(path: Path, extension: str) -> Held:
     check_length(path, extension)
     check_numbers(path, extension)
     check_grids(path, extension)
+    if extension in NUMBERED:
+        NUMBERED[extension](path)
     notes = notes_on_lines(path, extension)
     return Held(try_in_child(path), notes=notes)

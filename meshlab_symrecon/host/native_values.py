@@ -14,7 +14,7 @@ import pymeshlab
 
 from meshlab_symrecon.errors import ParameterError
 from meshlab_symrecon.host.old_names import bare_name
-from meshlab_symrecon.plugin.parameters import WORDS_OF_BOOLEANS, chosen_word
+from meshlab_symrecon.plugin.parameters import WORDS_OF_BOOLEANS, chosen_word, shortened
 
 __all__ = ["SPREAD", "NativeParameter", "checked_value", "parse_native", "parsed_number"]
 
@@ -100,9 +100,9 @@ def parse_native(parameter: NativeParameter, text: str) -> Any:
         if trimmed.lower() not in WORDS_OF_BOOLEANS:
             raise _refusal(parameter, text)
         return WORDS_OF_BOOLEANS[trimmed.lower()]
-    if kind == "RichEnum":
-        return _word(parameter, int(trimmed) if re.fullmatch("[0-9]+", trimmed) else trimmed)
     try:
+        if kind == "RichEnum":
+            return _word(parameter, int(trimmed) if re.fullmatch("[0-9]+", trimmed) else trimmed)
         return checked_value(parameter, _parsed_numbers(kind, trimmed))
     except ParameterError:
         raise
@@ -162,9 +162,15 @@ def _boolean(parameter: NativeParameter, value: object) -> bool:
 
 def _number(parameter: NativeParameter, value: object) -> float:
     plain = _plain(value)
-    if isinstance(plain, bool) or not isinstance(plain, (int, float)) or not math.isfinite(plain):
+    if isinstance(plain, bool) or not isinstance(plain, (int, float)):
         raise _refusal(parameter, value)
-    return float(plain)
+    try:
+        number = float(plain)
+    except OverflowError as error:  # whole numbers of Python have no largest one
+        raise _refusal(parameter, value) from error
+    if not math.isfinite(number):
+        raise _refusal(parameter, value)
+    return number
 
 
 def _whole(parameter: NativeParameter, value: object) -> int:
@@ -204,7 +210,7 @@ def _colour(parameter: NativeParameter, value: object) -> Any:
         return value
     try:
         channels = [int(channel) for channel in value]  # type: ignore[attr-defined]
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise _refusal(parameter, value) from error
     if len(channels) not in (3, 4) or not all(0 <= channel <= 255 for channel in channels):
         raise _refusal(parameter, value)
@@ -215,7 +221,7 @@ def _row(parameter: NativeParameter, value: object) -> Any:
     count = _NUMBERS_IN[parameter.rich_type]
     try:
         numbers = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise _refusal(parameter, value) from error
     if numbers.size != count or not np.isfinite(numbers).all():
         raise _refusal(parameter, value)
@@ -239,4 +245,4 @@ def _refusal(parameter: NativeParameter, value: object) -> ParameterError:
     }.get(parameter.rich_type, "3 numbers")
     if parameter.rich_type == "RichShotf":
         wanted = "left out, since pymeshlab takes no camera from Python"
-    return ParameterError(f"parameter '{parameter.name}' must be {wanted}; got {value!r:.80}")
+    return ParameterError(f"parameter '{parameter.name}' must be {wanted}; got {shortened(value)}")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.errors import SymReconWarning
-from meshlab_symrecon.host.files import load
+from meshlab_symrecon.host.files import check_input, load
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.registration import apply_filter, registry
 from meshlab_symrecon.host.size import RECONSTRUCT, check_memory, check_rest
@@ -91,6 +91,7 @@ def whole_method(
     FileError, GeometryError, ParameterError, HostError
         As ``load``, ``thin_current`` and ``apply_filter``.
     """
+    check_input(scan)
     check_memory(scan, limit, most=most)
     with noted() as sentences:
         result = _run_all(scan, settings, progress, most, limit)

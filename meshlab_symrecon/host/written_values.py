@@ -114,4 +114,4 @@ def _number(text: str) -> int | None:
     plain = text.strip().lower()
     if plain in ("true", "false"):
         return int(plain == "true")
-    return int(plain.partition(".")[0]) if re.fullmatch(r"\+?[0-9]+(\.0*)?", plain) else None
+    return int(plain.partition(".")[0]) if re.fullmatch(r"\+?[0-9]{1,9}(\.0*)?", plain) else None

@@ -18,6 +18,7 @@ __all__ = [
     "Value",
     "chosen_word",
     "nearest_names",
+    "shortened",
     "unknown_parameter",
 ]
 
@@ -41,6 +42,7 @@ class Kind(Enum):
         self.rich_type = rich_type
 
 
+_LARGEST = 2**63 - 1  # numpy and the kernel count in 64 bits
 _FLOATS = (Kind.NUMBER, Kind.DIAGONAL_FRACTION, Kind.SPACING_MULTIPLE)
 WORDS_OF_BOOLEANS = {"true": True, "false": False, "1": True, "0": False}
 
@@ -87,7 +89,7 @@ class Parameter:
         if self.kind in (Kind.INTEGER, Kind.LAYER):
             return int(self._in_range(self._whole(plain)))
         if self.kind in _FLOATS and isinstance(plain, (int, float)) and not isinstance(plain, bool):
-            return self._in_range(float(plain))
+            return self._in_range(self._float(plain))
         raise self._refusal(value)
 
     def parse(self, written: str) -> Value:
@@ -105,9 +107,9 @@ class Parameter:
             if trimmed.lower() not in WORDS_OF_BOOLEANS:
                 raise self._refusal(written)
             return WORDS_OF_BOOLEANS[trimmed.lower()]
-        if self.kind is Kind.CHOICE:
-            return self._checked_choice(int(trimmed) if trimmed.isdecimal() else trimmed)
         try:
+            if self.kind is Kind.CHOICE:
+                return self._checked_choice(int(trimmed) if trimmed.isdecimal() else trimmed)
             return self.check(int(trimmed) if self.kind not in _FLOATS else float(trimmed))
         except ParameterError:
             raise
@@ -138,14 +140,23 @@ class Parameter:
     def _whole(self, value: object) -> int:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise self._refusal(value)
-        if not math.isfinite(value) or value != int(value):
+        if isinstance(value, float) and not value.is_integer():  # neither are nan and infinity
+            raise self._refusal(value)
+        if abs(value) > _LARGEST:
             raise self._refusal(value)
         return int(value)
+
+    def _float(self, value: float) -> float:
+        try:
+            return float(value)
+        except OverflowError as error:  # whole numbers of Python have no largest one
+            raise self._refusal(value) from error
 
     def _in_range(self, value: float) -> float:
         above = self.low is None or value >= self.low
         below = self.high is None or value <= self.high
-        if not (math.isfinite(value) and above and below):
+        finite = isinstance(value, int) or math.isfinite(value)
+        if not (finite and above and below):
             raise self._refusal(value)
         return value
 
@@ -156,7 +167,16 @@ class Parameter:
         return word
 
     def _refusal(self, value: object) -> ParameterError:
-        return ParameterError(f"parameter '{self.name}' must be {self.range_words}; got {value!r}")
+        got = shortened(value)
+        return ParameterError(f"parameter '{self.name}' must be {self.range_words}; got {got}")
+
+
+def shortened(value: object) -> str:
+    """Return a value as a message shows it; Python itself writes no number of 5000 digits."""
+    try:
+        return f"{value!r:.80}"
+    except ValueError:
+        return "a number with thousands of digits"
 
 
 def chosen_word(value: object, words: Sequence[str]) -> str | None:

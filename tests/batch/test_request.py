@@ -17,7 +17,10 @@ def test_sizes(text, size):
     assert bytes_of(text) == size
 
 
-@pytest.mark.parametrize("text", ["", "G", "-1G", "4X", "0", "0M", "1e9", "4 G B", "nan"])
+@pytest.mark.parametrize(
+    "text",
+    ["", "G", "-1G", "4X", "0", "0M", "1e9", "4 G B", "nan", "9" * 400 + "G", "9999999T"],
+)
 def test_what_is_no_size(text):
     with pytest.raises(ParameterError, match="is no size of memory"):
         bytes_of(text)

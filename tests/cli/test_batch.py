@@ -95,6 +95,10 @@ def test_reconstruct_is_the_whole_method(place, statue, run):
         (("halve.mlx", "in", "-d", "out", "--json", "halve.mlx"), 1, "would overwrite"),
         (("halve.mlx", "in", "-d", "out", "--json", "in/b.off"), 1, "would overwrite a file"),
         (("halve.mlx", "in", "-d", "out", "--log", "in/b.off"), 1, "would overwrite a file"),
+        (("halve.mlx", "in/*", "-d", "out", "--json", "in/b.off"), 1, "would overwrite"),
+        (("halve.mlx", "in", "-d", "out", "--log", "r.json", "--json", "r.json"), 1, "overwrite"),
+        (("halve.mlx", "", "-d", "out"), 1, "error: an input has no name"),
+        (("halve.mlx", "in", "-d", "out", "--memory-limit", "9" * 400), 2, "is no size of memory"),
     ],
 )
 def test_mistakes(place, run, words, code, sentence):
@@ -108,3 +112,21 @@ def test_the_options_before_the_command_count_too(place, run):
     done = run("--quiet", "batch", "halve.mlx", "in/a.off", "-d", "out", "--jobs", 1)
     assert done.exit_code == 0
     assert (done.stdout, done.stderr) == ("", "")
+
+
+@pytest.mark.parametrize("name", ["a.ply", "batch.jsonl"])
+def test_a_summary_does_not_take_the_place_of_a_result_or_of_the_log(place, run, name):
+    assert run("batch", "halve.mlx", "in", "-d", "out", "--jobs", 1).exit_code == 0
+    before = {path: path.read_bytes() for path in (place / "out").iterdir()}
+    done = run("batch", "halve.mlx", "in", "-d", "out", "--jobs", 1, "--json", f"out/{name}")
+    assert done.exit_code == 1
+    assert f"out/{name} would overwrite a file of the batch" in done.stderr
+    assert {path: path.read_bytes() for path in (place / "out").iterdir()} == before
+
+
+def test_a_log_is_not_written_to_another_file(place, run):
+    (place / "notes.txt").write_text("precious\n\0\0")
+    done = run("batch", "halve.mlx", "in", "-d", "out", "--jobs", 1, "--log", "notes.txt")
+    assert done.exit_code == 1
+    assert "notes.txt holds something else than the log of a batch" in done.stderr
+    assert (place / "notes.txt").read_text() == "precious\n\0\0"

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import json
 import os
 import struct
 import warnings
+from base64 import b64encode
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from meshlab_symrecon.cli.main import main
 from meshlab_symrecon.errors import FileError, ScriptError, SymReconWarning
 from meshlab_symrecon.host import inspection_obj, inspection_trial, number_lines
-from meshlab_symrecon.host.files import load, new_document, save_current
+from meshlab_symrecon.host.files import check_input, load, new_document, save_current
 from meshlab_symrecon.host.inspection import inspect
 from meshlab_symrecon.host.mlx import read_script
 from meshlab_symrecon.host.project_files import read_project
+from meshlab_symrecon.host.reconstruction import whole_method
 
 WORDS = {
     "i1": "char", "u1": "uchar", "i2": "short", "u2": "ushort", "i4": "int", "u4": "uint",
@@ -595,6 +600,40 @@ def test_a_device_is_no_project(tmp_path):
         read_project(tmp_path / "a.mlp")
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no such pipes")
+@pytest.mark.parametrize("extension", ["ply", "xyz", "glb", "stl"])
+def test_the_method_and_apply_do_not_wait_for_a_pipe(tmp_path, extension):
+    path, output = tmp_path / f"a.{extension}", tmp_path / "out.ply"
+    os.mkfifo(path)
+    with pytest.raises(FileError, match="is not an ordinary file"):
+        whole_method(path, {}, lambda fraction, message: None)
+    words = ["apply", "generate_reflection_planes", str(path), "-o", str(output)]
+    said = CliRunner().invoke(main, words)
+    assert said.exit_code == 1
+    assert "is not an ordinary file" in said.output
+    assert not output.exists()
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [(None, "no such file"), (b"", "is empty"), (b"x", "")],
+)
+def test_inputs_are_looked_at_first(tmp_path, content, words):
+    path = tmp_path / "a.ply"
+    if content is not None:
+        path.write_bytes(content)
+    if words:
+        with pytest.raises(FileError, match=words):
+            check_input(path)
+    else:
+        assert check_input(path) is None
+
+
+def test_an_input_with_an_impossible_name(tmp_path):
+    with pytest.raises(FileError, match="name too long"):
+        check_input(tmp_path / ("a" * 300))
+
+
 def test_a_script_without_an_end(monkeypatch):
     monkeypatch.setattr("meshlab_symrecon.host.mlx.LARGEST", 1 << 20)
     with pytest.raises(ScriptError, match="/dev/zero:1: a filter script has at most 1 MB"):
@@ -636,3 +675,119 @@ def test_what_is_unusual_in_an_obj_file_is_looked_at_by_lines(tmp_path, last):
     path = tmp_path / "a.obj"
     path.write_bytes(V + last)
     assert inspection_obj.plain_obj(path) is None
+
+
+def chunk(kind, content):
+    return struct.pack("<HI", kind, 6 + len(content)) + content
+
+
+def three_ds(faces, points=4, textured=None, materials=(0,), before=b""):
+    rows = (np.arange(3 * points, dtype="<f4") ** 2).tobytes()
+    corners = np.array([[*face, 7] for face in faces], "<u2").tobytes()
+    group = b"stone\0" + struct.pack("<H", len(materials)) + np.array(materials, "<u2").tobytes()
+    parts = chunk(0x4110, struct.pack("<H", points) + rows)
+    if textured is not None:
+        parts += chunk(0x4140, struct.pack("<H", textured) + b"\0" * 8 * textured)
+    parts += chunk(0x4120, struct.pack("<H", len(faces)) + corners + chunk(0x4130, group))
+    thing = chunk(0x4000, b"thing\0" + chunk(0x4100, parts))
+    material = chunk(0xAFFF, chunk(0xA000, b"stone\0"))
+    return chunk(0x4D4D, chunk(2, b"\3\0\0\0") + chunk(0x3D3D, material + before + thing))
+
+
+@pytest.mark.parametrize("textured", [None, 4, 5])
+def test_a_good_3ds_file_is_read(tmp_path, textured):
+    path = tmp_path / "a.3ds"
+    path.write_bytes(three_ds([(0, 1, 2), (0, 3, 2)], textured=textured, materials=(0, 1)))
+    mesh_set = load(path)
+    mesh = mesh_set.current_mesh()
+    assert mesh.face_number() == 2
+    assert set(map(tuple, mesh.vertex_matrix())) == {
+        (0, 1, 4), (9, 16, 25), (36, 49, 64), (81, 100, 121)
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (three_ds([(0, 1, 4)]), "a face names point 4 of a mesh with 4 points"),
+        (three_ds([(0, 1, 2), (65535, 1, 2)]), "a face names point 65535"),
+        (three_ds([(0, 1, 3)], textured=3), "point 3 of a mesh with 3 texture coordinates"),
+        (three_ds([(0, 1, 2)], materials=(0, 1)), "a material names face 1 of a mesh with 1 faces"),
+        (three_ds([(0, 1, 9)], before=chunk(0x4000, b"lamp\0")), "a face names point 9"),
+    ],
+)
+def test_numbers_that_lead_out_of_a_3ds_mesh(tmp_path, content, words):
+    path = tmp_path / "a.3ds"
+    path.write_bytes(content)
+    with pytest.raises(FileError, match=words):
+        load(path)
+
+
+def gltf(corners, kind=5123, where="inside", count=None, shift=0, cut=0):
+    points = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], "<f4")
+    numbers = np.array(corners, {5121: "<u1", 5123: "<u2", 5125: "<u4"}[kind])
+    data = points.tobytes() + numbers.tobytes()
+    data = data[: len(data) - cut]
+    views = [
+        {"buffer": 0, "byteOffset": 0, "byteLength": 48},
+        {"buffer": 0, "byteOffset": 48 - shift, "byteLength": numbers.nbytes},
+    ]
+    accessors = [
+        {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0],
+         "max": [1, 1, 1]},
+        {"bufferView": 1, "componentType": kind, "type": "SCALAR", "byteOffset": shift,
+         "count": numbers.size if count is None else count},
+    ]  # fmt: skip
+    uri = {"inside": "data:application/octet-stream;base64," + b64encode(data).decode(),
+           "beside": "a%20b.bin"}.get(where)  # fmt: skip
+    buffer = {"byteLength": len(data)} | ({} if uri is None else {"uri": uri})
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1}
+    text = json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}], "meshes": [{"primitives": [primitive]}], "buffers": [buffer],
+        "bufferViews": views, "accessors": accessors,
+    }).encode()  # fmt: skip
+    if uri is not None:
+        return text, data
+    text += b" " * (-len(text) % 4)
+    data += b"\0" * (-len(data) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text
+    chunks += struct.pack("<I4s", len(data), b"BIN\0") + data
+    return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks, b""
+
+
+def loaded_gltf(folder, where, corners, **more):
+    content, beside = gltf(corners, where=where, **more)
+    path = folder / ("a.glb" if where == "binary" else "a.gltf")
+    path.write_bytes(content)
+    (folder / "a b.bin").write_bytes(beside)
+    return load(path)
+
+
+PLACES = pytest.mark.parametrize("where", ["inside", "beside", "binary"])
+
+
+@PLACES
+@pytest.mark.parametrize("kind", [5121, 5123, 5125])
+@pytest.mark.parametrize("shift", [0, 8])
+def test_a_good_gltf_file_is_read(tmp_path, where, kind, shift):
+    corners = [0, 1, 2, 0, 3, 1, 1, 3, 2]
+    mesh_set = loaded_gltf(tmp_path, where, corners, kind=kind, shift=shift)
+    assert mesh_set.current_mesh().face_number() == 3
+    assert mesh_set.current_mesh().vertex_number() == 4
+
+
+@PLACES
+@pytest.mark.parametrize("kind", [5121, 5123, 5125])
+def test_numbers_that_lead_out_of_a_gltf_mesh(tmp_path, where, kind):
+    with pytest.raises(FileError, match="a face names point 4 of a mesh with 4 points"):
+        loaded_gltf(tmp_path, where, [0, 1, 2, 0, 1, 4], kind=kind)
+    with pytest.raises(FileError, match=r"its indices reach beyond the \d+ bytes"):
+        loaded_gltf(tmp_path, where, [0, 1, 2], kind=kind, count=300)
+
+
+def test_a_gltf_buffer_that_is_cut(tmp_path):
+    with pytest.raises(FileError, match="its indices reach beyond the 52 bytes"):
+        loaded_gltf(tmp_path, "beside", [0, 1, 2], cut=2)
+    with pytest.raises(FileError, match="its POSITION reach beyond the 40 bytes"):
+        loaded_gltf(tmp_path, "beside", [0, 1, 2], cut=14)

@@ -178,6 +178,29 @@ def test_a_bad_value_is_refused(rich_type, value, wanted):
     assert str(caught.value) == f"parameter 'p' must be {wanted}; got {value!r:.80}"
 
 
+@pytest.mark.parametrize(("sign", "digits"), [(1, 400), (-1, 5000)])
+@pytest.mark.parametrize("rich_type", ["RichInt", "RichMesh", "RichFloat", "RichAbsPerc"])
+def test_a_whole_number_that_no_float_holds_is_refused(rich_type, sign, digits):
+    value = sign * 10**digits
+    with pytest.raises(ParameterError, match="parameter 'p' must be") as caught:
+        checked_value(parameter(rich_type), value)
+    assert len(str(caught.value)) < 250
+
+
+@pytest.mark.parametrize(
+    ("rich_type", "value"),
+    [
+        ("RichColor", (1, 2, math.inf)),
+        ("RichColor", (1, 2, 10**400)),
+        ("RichPosition", (1, 2, 10**400)),
+        ("RichMatrix44f", [10**400] * 16),
+    ],
+)
+def test_rows_of_numbers_that_no_float_holds_are_refused(rich_type, value):
+    with pytest.raises(ParameterError, match="parameter 'p' must be"):
+        checked_value(parameter(rich_type), value)
+
+
 @pytest.mark.parametrize(
     ("rich_type", "text", "value"),
     [
@@ -220,6 +243,10 @@ def test_lengths_and_colours_are_read():
         ("RichFloat", "nan"),
         ("RichAbsPerc", "half%"),
         ("RichEnum", "7"),
+        ("RichEnum", "9" * 5000),
+        ("RichInt", "9" * 5000),
+        ("RichFloat", "9" * 400),
+        ("RichColor", "1 2 " + "9" * 400),
         ("RichPosition", "1 2"),
         ("RichColor", "#xyz"),
         ("RichMatrix44f", "1 0 0 1"),

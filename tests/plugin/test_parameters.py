@@ -119,6 +119,26 @@ def test_a_bad_value_is_refused_with_what_is_allowed_and_what_was_got(name, refu
 
 
 @pytest.mark.parametrize(
+    ("name", "sign", "digits"),
+    [("count", 1, 400), ("count", -1, 5000), ("weight", 1, 400), ("weight", -1, 5000),
+     ("mode", 1, 5000), ("planes", 1, 20), ("planes", 1, 5000), ("title", 1, 5000)],
+)  # fmt: skip
+def test_whole_numbers_that_no_float_holds_are_refused_in_a_short_sentence(name, sign, digits):
+    refused = sign * 10**digits
+    with pytest.raises(ParameterError, match=f"parameter '{name}' must be") as caught:
+        Every.from_values({name: refused})
+    assert len(str(caught.value)) < 300
+
+
+@pytest.mark.parametrize("name", ["orient", "count", "weight", "gap", "mode", "planes"])
+@pytest.mark.parametrize("written", ["9" * 400, "9" * 5000, "x" * 5000])
+def test_long_words_are_refused_in_a_short_sentence(name, written):
+    with pytest.raises(ParameterError, match=f"parameter '{name}' must be") as caught:
+        Every.find(name).parse(written)
+    assert len(str(caught.value)) < 300
+
+
+@pytest.mark.parametrize(
     ("name", "written", "value"),
     [
         ("orient", " True ", True),
