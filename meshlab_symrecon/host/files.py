@@ -162,6 +162,12 @@ def _checked_before(path: Path) -> Held:
 def _check_readable(path: Path) -> None:
     if not path.exists():
         raise FileError(f"{path} cannot be read: no such file; check its path")
+    try:
+        str(path).encode()
+    except UnicodeEncodeError as error:
+        shown = str(path).encode("utf-8", "replace").decode()
+        message = f"{shown} cannot be read: its name is not UTF-8, and MeshLab takes no other"
+        raise FileError(f"{message}; rename it") from error
     if not path.is_file():
         raise FileError(f"{path} cannot be read: it is not an ordinary file; give a mesh file")
     with path.open("rb") as file:
