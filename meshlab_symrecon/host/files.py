@@ -173,13 +173,22 @@ def check_input(path: str | Path) -> None:
     path = Path(path)
     try:
         _check_ordinary(path)
-    except OSError as error:
-        raise FileError(f"{path} cannot be read: {reason(error)}; check its path") from error
+    except FileError:
+        raise
+    except (OSError, ValueError) as error:
+        words = reason(error) if isinstance(error, OSError) else str(error)
+        raise FileError(f"{path} cannot be read: {words}; check its path") from error
 
 
 def _check_ordinary(path: Path) -> None:
     if not path.exists():
         raise FileError(f"{path} cannot be read: no such file; check its path")
+    try:
+        str(path).encode()
+    except UnicodeEncodeError as error:
+        shown = str(path).encode("utf-8", "replace").decode()
+        message = f"{shown} cannot be read: its name is not UTF-8, and MeshLab takes no other"
+        raise FileError(f"{message}; rename it") from error
     if not path.is_file():
         raise FileError(f"{path} cannot be read: it is not an ordinary file; give a mesh file")
     with path.open("rb") as file:

@@ -16,6 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from meshlab_symrecon.errors import FileError
+from meshlab_symrecon.host.atomic import reason
 from meshlab_symrecon.host.ply_header import Element, Header, Property, read_header
 from meshlab_symrecon.host.ply_rows import Rows, rows_of
 
@@ -37,14 +39,25 @@ WORDS = {
 
 @contextmanager
 def with_plain_data(path: Path) -> Iterator[Path]:
-    """Yield a path under which MeshLab reads a PLY file that has been checked."""
+    """Yield a path under which MeshLab reads a PLY file that has been checked.
+
+    Raises
+    ------
+    FileError
+        The system refused to write a copy.
+    """
     header = read_header(path)
     if _is_plain(header) and _passes_over(path, header):
         yield path
         return
     with tempfile.TemporaryDirectory(prefix="symrecon-") as folder:
         copy = Path(folder, path.name)
-        _write(path, header, copy)
+        try:
+            _write(path, header, copy)
+        except OSError as error:
+            message = f"{path} is read through a copy, which cannot be written in {folder}"
+            words = f"{message}: {reason(error)}; free space there or set TMPDIR"
+            raise FileError(words) from error
         yield copy
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import struct
@@ -592,6 +593,25 @@ def test_a_reader_that_waits_is_stopped(tmp_path, monkeypatch):
 def test_a_reader_that_wants_gigabytes_is_stopped(tmp_path, monkeypatch):
     with pytest.raises(FileError, match="takes more than 1024 MB of memory"):
         stopped(tmp_path, monkeypatch, "return len(bytearray(1 << 32))")
+
+
+def test_a_full_folder_for_copies_is_no_fault_of_the_file(tmp_path, monkeypatch):
+    def refuse(*given):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    path = tmp_path / "a.ply"
+    path.write_bytes(ply("binary_big_endian"))
+    monkeypatch.setattr("meshlab_symrecon.host.ply_plain._even", refuse)
+    monkeypatch.setattr("meshlab_symrecon.host.ply_plain._uneven", refuse)
+    with pytest.raises(FileError, match=r"through a copy.*: No space left.*or set TMPDIR$"):
+        load(path)
+
+
+def test_a_name_that_is_not_utf_8_is_told(tmp_path):
+    path = tmp_path / os.fsdecode(b"\xff\xfe.ply")
+    path.write_bytes(ply())
+    with pytest.raises(FileError, match=r"\?\?.ply cannot be read: its name is not UTF-8"):
+        load(path)
 
 
 def test_a_device_is_no_project(tmp_path):
