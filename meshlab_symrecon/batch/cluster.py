@@ -10,12 +10,14 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
+from functools import cache
 from importlib import import_module
 from typing import Any
 
 from meshlab_symrecon.batch.reports import ScanReport
 from meshlab_symrecon.batch.supervision import supervised
-from meshlab_symrecon.batch.work import Job
+from meshlab_symrecon.batch.work import Job, memory_share
 from meshlab_symrecon.errors import HostError, SymReconError
 from meshlab_symrecon.host.versions import versions_of_results
 
@@ -80,7 +82,13 @@ def supervised_there(job: Job) -> ScanReport:
         task = worker.state.tasks.get(key)
         return task is not None and task.state in ON_THE_WAY
 
-    return supervised(job, wanted)
+    return supervised(replace(job, share=_share(worker.state.nthreads)), wanted)
+
+
+@cache
+def _share(count: int) -> int | None:
+    """Return what each scan of a worker may count on: of what is free when it begins."""
+    return memory_share(count)
 
 
 def _distributed() -> Any:

@@ -14,7 +14,7 @@ from meshlab_symrecon.batch.further_files import further_files
 from meshlab_symrecon.batch.inputs import find_scans
 from meshlab_symrecon.batch.names import folded, named
 from meshlab_symrecon.batch.request import RECONSTRUCT, Batch, Limits
-from meshlab_symrecon.batch.work import Job, Work
+from meshlab_symrecon.batch.work import Job, Work, memory_share
 from meshlab_symrecon.errors import FileError, ParameterError
 from meshlab_symrecon.host.atomic import check_target, flush_folder, reason
 from meshlab_symrecon.host.versions import versions_of_filters, versions_of_results
@@ -71,9 +71,10 @@ def planned(batch: Batch) -> Plan:
     scans = find_scans(batch.inputs, readable=READABLE, recursive=batch.recursive, results=folder)
     names = named(batch.name, scans, script=work.name, writable=(*WRITABLE, PROJECT))
     limits = _limits(batch.limits, count, batch.scheduler)
+    share = None if batch.scheduler is not None else memory_share(min(count, len(scans)))
     jobs = tuple(
         Job(_absolute(scan.path), _absolute(folder / name), name.as_posix(), str(scan.path),
-            str(folder / name), work, limits, further=further_files(_absolute(scan.path)))
+            str(folder / name), work, limits, further=further_files(_absolute(scan.path)), share=share)
         for scan, name in zip(scans, names, strict=True)
     )  # fmt: skip
     log = Path(batch.log) if batch.log is not None else folder / LOG

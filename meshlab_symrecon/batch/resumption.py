@@ -24,6 +24,7 @@ from meshlab_symrecon.batch.work import Job
 __all__ = ["Standing", "standing"]
 
 PASSING = (NOT_WRITTEN, KILLED)  # may well go the next time
+OF_MEMORY = (OUT_OF_MEMORY, TOO_LARGE)  # without a limit, of what was free at that moment
 LIMITED = {TIMED_OUT: ("seconds",), OUT_OF_MEMORY: ("memory",), TOO_LARGE: ("memory",)}
 
 
@@ -117,7 +118,8 @@ def _difference(job: Job, report: ScanReport) -> str:
 def _why_retried(job: Job, report: ScanReport, retry: bool) -> str | None:
     if retry:
         return f"it was {report.status}" if report.status != FAILED else "it had failed"
-    if report.status in PASSING:
+    unlimited = report.limits.get("memory") is None
+    if report.status in PASSING or (report.status in OF_MEMORY and unlimited):
         return f"it was {report.status}, which may pass"
     for name in LIMITED.get(report.status, ()):
         before, now = report.limits.get(name), getattr(job.limits, name)

@@ -23,6 +23,7 @@ from meshlab_symrecon.batch.reports import (
     KILLED,
     OUT_OF_MEMORY,
     TIMED_OUT,
+    TOO_LARGE,
     ScanReport,
 )
 from meshlab_symrecon.batch.request import in_bytes
@@ -102,7 +103,7 @@ def supervised(job: Job, wanted: Callable[[], bool] | None = None) -> ScanReport
     if found["status"] == DONE:
         found["output_sha256"] = sha256_of(job.output)
     if found.get("error"):
-        found["error"] = _named_shortly(job, found["error"])
+        found["error"] = _named_shortly(job, found["error"]) + _older(job)
     return ScanReport(
         scan=job.shown_scan,
         output=job.shown_output,
@@ -145,7 +146,16 @@ def _fields(job: Job, ending: Ending) -> dict[str, Any]:
         found = {"status": status, "error": error}
     if found["status"] == OUT_OF_MEMORY:
         found["error"] = _no_memory(job, ending)
+    if found["status"] == TOO_LARGE and job.limits.memory is None and job.share is not None:
+        found["error"] += "; scans at once share what is free, fewer --jobs leave more for each"
     return found
+
+
+def _older(job: Job) -> str:
+    """Return words on a file that looks like a result of this work, and is none."""
+    if not job.output.exists():
+        return ""
+    return f"; {job.shown_output} is still there, from before"
 
 
 def _without_answer(job: Job, ending: Ending) -> tuple[str, str]:
