@@ -126,6 +126,10 @@ def _worked(job: Job, found: dict[str, Any], progress: Progress) -> Any:
     if job.scan.exists() and not job.scan.is_file():  # whoever reads a pipe may wait for ever
         message = f"{job.scan} cannot be read: it is not an ordinary file"
         raise FileError(f"{message}; give a mesh file")
+    for path, shown in ((job.scan, job.shown_scan), (job.output, job.shown_output)):
+        if not _is_text(path):
+            message = f"{shown}: this name, or that of a folder above, is not in UTF-8"
+            raise FileError(f"{message}, which MeshLab needs; rename it")
     found["parameters"] = {"max_points": job.limits.points}
     if job.work.script:
         found["parameters"] |= {"strict": job.work.strict, "lenient": job.work.lenient}
@@ -139,6 +143,14 @@ def _worked(job: Job, found: dict[str, Any], progress: Progress) -> Any:
     found["points"] = result.measured
     found["measures"] = _of_method(result)
     return result.mesh_set
+
+
+def _is_text(path: Path) -> bool:
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _scripted(job: Job, found: dict[str, Any], progress: Progress) -> tuple[Any, Any]:

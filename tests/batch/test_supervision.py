@@ -6,8 +6,8 @@ import os
 import pickle
 import resource
 import signal
-import threading
 import sys
+import threading
 import time
 from dataclasses import replace
 from pathlib import Path
