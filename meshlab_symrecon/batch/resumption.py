@@ -77,16 +77,23 @@ def _why_again(job: Job, report: ScanReport | None, retry: bool) -> str | None:
         return None
     if report.work_sha256 != job.work.sha256:
         return _difference(job, report)
-    if report.input_sha256 is None or sha256_of(job.scan) != report.input_sha256:
-        return "the scan has changed"
-    if checksums_of(job.further, job.scan.parent) != dict(report.input_files):
-        return "a file behind the scan has changed"
+    changed = _what_changed(job, report)
+    if changed is not None:
+        return f"{changed} has changed"
     most = report.limits.get("points")
     if _points_worked_on(report, most) != _points_worked_on(report, job.limits.points):
         return "the limit of points has been changed"
     if report.status == DONE:
         return _why_made_again(job, report)
     return _why_retried(job, report, retry)
+
+
+def _what_changed(job: Job, report: ScanReport) -> str | None:
+    if report.input_sha256 is None or sha256_of(job.scan) != report.input_sha256:
+        return "the scan"
+    if checksums_of(job.further, job.scan.parent) != dict(report.input_files):
+        return "a file behind the scan"
+    return None
 
 
 def _why_made_again(job: Job, report: ScanReport) -> str | None:
