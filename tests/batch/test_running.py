@@ -16,7 +16,9 @@ import pytest
 from batch_inputs import SCRIPT, Witness, cloud
 
 from meshlab_symrecon.batch import Batch, Limits, run_batch
+from meshlab_symrecon.batch.log import opened_log
 from meshlab_symrecon.batch.plan import planned
+from meshlab_symrecon.batch.resumption import standing
 from meshlab_symrecon.errors import FileError, HostError, ParameterError, ScriptError
 
 CRASHES, DIVIDES = 77, 80
@@ -160,27 +162,31 @@ def test_what_is_done_again_is_told_why(place, monkeypatch, tmp_path):
     for name, count in (("a", 60), ("b", 61), ("c", DIVIDES)):
         cloud(tmp_path / "in" / f"{name}.ply", count)
 
-    def reasons(**how):
-        witness = Witness()
-        run_batch(Batch("halve.mlx", ["in"], "out", jobs=1, **how), witness)
-        return {
-            sentence.split(" ")[0]: sentence.split(": ")[1] for sentence in witness.sentences
-        }, {one.name for one in witness.reports if not one.resumed}
+    run_batch(Batch("halve.mlx", ["in"], "out", jobs=1))
 
-    assert reasons() == ({}, {"a.ply", "b.ply", "c.ply"})
-    assert reasons() == ({}, set())
-    assert reasons(limits=Limits(points=1000)) == ({}, set())  # none of them has as many
-    whole = Path("out/a.ply").read_bytes()
+    def reasons(**how):
+        """Return why each scan would be done again now."""
+        plan = planned(Batch("halve.mlx", ["in"], "out", jobs=1, **how))
+        with opened_log(plan.log) as log:
+            left = standing(plan.jobs, log.reports, retry=how.get("retry", False), again=False).left
+        return {job.shown_scan: job.again for job in left}
+
+    assert reasons() == {}
+    assert reasons(limits=Limits(points=1000)) == {}  # none of them has as many
+    assert reasons(retry=True) == {"in/c.ply": "it had failed"}
     Path("out/a.ply").unlink()
     Path("out/b.ply").write_bytes(b"edited")
     told = {"in/a.ply": "its result is gone", "in/b.ply": "its result has been changed"}
-    assert reasons() == (told, {"a.ply", "b.ply"})
-    assert Path("out/a.ply").read_bytes() == whole
+    assert reasons() == told
+    witness = Witness()
+    run_batch(Batch("halve.mlx", ["in"], "out", jobs=1), witness)
+    assert witness.sentences == [f"{scan} is done again: {why}" for scan, why in told.items()]
+    assert [one.name for one in witness.reports if one.resumed] == ["c.ply"]
+    assert reasons() == {}
     cloud(tmp_path / "in/a.ply", 62)
-    assert reasons() == ({"in/a.ply": "the scan has changed"}, {"a.ply"})
-    assert reasons(retry=True) == ({"in/c.ply": "it had failed"}, {"c.ply"})
+    assert reasons() == {"in/a.ply": "the scan has changed"}
     script.write_text(SCRIPT.replace("0.5", "0.25"))
-    assert set(reasons()[0].values()) == {"the script has changed"}
+    assert set(reasons().values()) == {"the script has changed"}
 
 
 def test_no_file_of_a_batch_is_written_over(tmp_path, script, monkeypatch):
@@ -225,7 +231,8 @@ def test_numbers_of_numpy_are_numbers(tmp_path):
     assert json.dumps(works[1][0].work.settings) == '{"randomseed": 3}'
 
 
-def test_a_batch_that_is_wrong_starts_nothing(tmp_path, script):
+def test_a_batch_that_is_wrong_starts_nothing(tmp_path, script, monkeypatch):
+    monkeypatch.setattr("meshlab_symrecon.batch.cluster.PATIENCE", 0.5)
     scan = cloud(tmp_path / "in/a.ply", 60)
     before = scan.read_bytes()
     out = tmp_path / "out"
