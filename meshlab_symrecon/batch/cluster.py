@@ -10,19 +10,21 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
+from functools import cache
 from importlib import import_module
 from typing import Any
 
 from meshlab_symrecon.batch.reports import ScanReport
-from meshlab_symrecon.batch.supervision import supervised
-from meshlab_symrecon.batch.work import Job
+from meshlab_symrecon.batch.supervision import lost_with_workers, supervised
+from meshlab_symrecon.batch.work import Job, memory_share
 from meshlab_symrecon.errors import HostError, SymReconError
 from meshlab_symrecon.host.versions import versions_of_results
 
 __all__ = ["on_cluster"]
 
 PATIENCE = 5.0  # seconds for the scheduler to answer
-LOST = "lost"  # a status of tasks in dask
+TOOK_ALL = "KilledWorker"  # dask's error for a task with which worker after worker ends
 ON_THE_WAY = ("executing", "long-running")
 INSTALL = "run pip install 'meshlab-symrecon[distributed]'"
 
@@ -32,15 +34,16 @@ def on_cluster(
 ) -> Generator[ScanReport, None, None]:
     """Yield the reports of jobs as they end on the workers of a cluster.
 
-    A worker that is lost is no end of its scans: others do them again.
+    A worker that is lost is no end of its scans: others do them again. A scan that takes one
+    worker with it after the other is reported as killed.
 
     Raises
     ------
     SymReconError
         The extra ``distributed`` is not installed.
     HostError
-        Nothing answers at the address, it has no workers, they have other versions, or a scan was
-        lost with one worker after the other.
+        Nothing answers at the address, it has no workers, they have other versions, or the
+        scheduler has given a scan up.
     """
     with _connected(address) as client:
         _check_workers(client, address)
@@ -58,17 +61,24 @@ def _done(
             for worker in sorted(workers - now):
                 said(f"the worker at {worker} is gone; its scans are done again by others")
             workers = now
-            if task.status != "finished":
+            if task.status == "finished":
+                yield task.result()
+            elif task.status == "error" and type(task.exception()).__name__ == TOOK_ALL:
+                yield lost_with_workers(by_task[task], _in_words(task.exception()))
+            else:
                 raise _lost(by_task[task], task)
-            yield task.result()
     finally:
         client.cancel(list(by_task), force=True)
 
 
 def _lost(job: Job, task: Any) -> HostError:
-    why = " ".join(str(task.exception()).split()) if task.status == "error" else task.status
+    why = _in_words(task.exception()) if task.status == "error" else task.status
     message = f"{job.shown_scan}: the cluster has given it up: {why}"
     return HostError(f"{message}; look at its workers, and give the same command again")
+
+
+def _in_words(error: BaseException) -> str:
+    return " ".join(str(error).split())
 
 
 def supervised_there(job: Job) -> ScanReport:
@@ -80,7 +90,13 @@ def supervised_there(job: Job) -> ScanReport:
         task = worker.state.tasks.get(key)
         return task is not None and task.state in ON_THE_WAY
 
-    return supervised(job, wanted)
+    return supervised(replace(job, share=_share(worker.state.nthreads)), wanted)
+
+
+@cache
+def _share(count: int) -> int | None:
+    """Return what each scan of a worker may count on: of what is free when it begins."""
+    return memory_share(count)
 
 
 def _distributed() -> Any:

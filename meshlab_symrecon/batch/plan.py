@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from meshlab_symrecon.batch.further_files import further_files
 from meshlab_symrecon.batch.inputs import find_scans
 from meshlab_symrecon.batch.names import folded, named
 from meshlab_symrecon.batch.request import RECONSTRUCT, Batch, Limits
-from meshlab_symrecon.batch.work import Job, Work
+from meshlab_symrecon.batch.work import Job, Work, memory_share
 from meshlab_symrecon.errors import FileError, ParameterError
 from meshlab_symrecon.host.atomic import check_target, flush_folder, reason
 from meshlab_symrecon.host.versions import versions_of_filters, versions_of_results
@@ -71,9 +71,11 @@ def planned(batch: Batch) -> Plan:
     scans = find_scans(batch.inputs, readable=READABLE, recursive=batch.recursive, results=folder)
     names = named(batch.name, scans, script=work.name, writable=(*WRITABLE, PROJECT))
     limits = _limits(batch.limits, count, batch.scheduler)
+    share = None if batch.scheduler is not None else memory_share(min(count, len(scans)))
     jobs = tuple(
         Job(_absolute(scan.path), _absolute(folder / name), name.as_posix(), str(scan.path),
-            str(folder / name), work, limits, further=further_files(_absolute(scan.path)))
+            str(folder / name), work, limits, share=share,
+            further=further_files(_absolute(scan.path)))
         for scan, name in zip(scans, names, strict=True)
     )  # fmt: skip
     log = Path(batch.log) if batch.log is not None else folder / LOG
@@ -100,11 +102,12 @@ def _work(batch: Batch) -> Work:
     if batch.strict and batch.lenient:
         raise ParameterError("strict and lenient contradict each other; give one")
     versions = versions_of_results()
+    settings: dict[str, Any] = {}
     script, checksum, name = b"", None, os.fspath(batch.script)
     if name == RECONSTRUCT:
         if batch.strict or batch.lenient:
             raise ParameterError("strict and lenient are for scripts; leave them out")
-        _check_settings(batch.settings)
+        settings = _checked_settings(batch.settings)
     else:
         if batch.settings:
             listed = ", ".join(batch.settings)
@@ -115,7 +118,7 @@ def _work(batch: Batch) -> Work:
         versions |= versions_of_filters(step.name for step in steps.steps)
     made_of: dict[str, Any] = {
         "script": name if checksum is None else checksum,
-        "settings": dict(batch.settings),
+        "settings": settings,
         "strict": batch.strict,
         "lenient": batch.lenient,
         "versions": versions,
@@ -124,7 +127,7 @@ def _work(batch: Batch) -> Work:
         name=name,
         script=script,
         script_sha256=checksum,
-        settings=dict(batch.settings),
+        settings=settings,
         strict=batch.strict,
         lenient=batch.lenient,
         versions=versions,
@@ -132,15 +135,23 @@ def _work(batch: Batch) -> Work:
     )
 
 
-def _check_settings(settings: Any) -> None:
+def _checked_settings(settings: Mapping[str, object]) -> dict[str, Any]:
+    """Return the settings of the whole method as plain data."""
+    from meshlab_symrecon.host.measures import plain
     from meshlab_symrecon.host.reconstruction import parameters_as_run
+    from meshlab_symrecon.plugin.parameters import nearest_names
 
-    parameters_as_run(settings)
+    given: dict[str, Any] = plain(dict(settings))
+    bound = (values for name, values in parameters_as_run(given).items() if name not in given)
+    known = sorted({parameter for values in bound for parameter in values})
+    for name in given:
+        if name not in known:
+            message = f"no filter of the method has a parameter '{name}'"
+            raise ParameterError(f"{message}{nearest_names(name, known)}")
+    return given
 
 
 def _count(batch: Batch) -> int:
-    if batch.jobs is not None and batch.jobs < 1:
-        raise ParameterError(f"jobs is a number above zero; got {batch.jobs}")
     if batch.jobs is not None and batch.scheduler is not None:
         message = f"jobs is {batch.jobs}, but a cluster's workers say how much runs at once"
         raise ParameterError(f"{message}; give one of jobs and scheduler")

@@ -35,7 +35,7 @@ class Limits:
     Raises
     ------
     ParameterError
-        A limit that is not above zero.
+        A limit that is not above zero, or of memory, points or threads no whole number.
     """
 
     seconds: float | None = None
@@ -46,8 +46,10 @@ class Limits:
     def __post_init__(self) -> None:
         for name in ("seconds", "memory", "points", "threads"):
             value = getattr(self, name)
-            if value is not None and not 0 < value < math.inf:
-                message = f"the limit of {name} is a number above zero; got {value}"
+            kind = (int, float) if name == "seconds" else int
+            if value is not None and not (_is_a(value, kind) and 0 < value < math.inf):
+                what = "number" if name == "seconds" else "whole number"
+                message = f"the limit of {name} is a {what} above zero; got {value!r}"
                 raise ParameterError(f"{message}; leave it out for no limit")
 
 
@@ -84,6 +86,11 @@ class Batch:
         Work again on scans that have failed before.
     again : bool
         Work again on every scan.
+
+    Raises
+    ------
+    ParameterError
+        The inputs are one text instead of a sequence, or jobs is no whole number above zero.
     """
 
     script: str | PathLike[str]
@@ -101,6 +108,18 @@ class Batch:
     summary: str | PathLike[str] | None = None
     retry: bool = False
     again: bool = False
+
+    def __post_init__(self) -> None:
+        if isinstance(self.inputs, (str, bytes, PathLike)):
+            message = f"inputs is a sequence of files, folders and patterns; got {self.inputs!r}"
+            raise ParameterError(f"{message}; write it in brackets")
+        if self.jobs is not None and not (_is_a(self.jobs, int) and self.jobs > 0):
+            message = f"jobs is a whole number above zero; got {self.jobs!r}"
+            raise ParameterError(f"{message}; leave it out for as many as there are cores")
+
+
+def _is_a(value: object, kind: type | tuple[type, ...]) -> bool:
+    return isinstance(value, kind) and not isinstance(value, bool)
 
 
 def bytes_of(text: str) -> int:

@@ -24,6 +24,7 @@ from meshlab_symrecon.batch.work import Job
 __all__ = ["Standing", "standing"]
 
 PASSING = (NOT_WRITTEN, KILLED)  # may well go the next time
+OF_MEMORY = (OUT_OF_MEMORY, TOO_LARGE)  # without a limit, of what was free at that moment
 LIMITED = {TIMED_OUT: ("seconds",), OUT_OF_MEMORY: ("memory",), TOO_LARGE: ("memory",)}
 
 
@@ -76,9 +77,9 @@ def _why_again(job: Job, report: ScanReport | None, retry: bool) -> str | None:
         return None
     if report.work_sha256 != job.work.sha256:
         return _difference(job, report)
-    changed = _change_of_input(job, report)
+    changed = _what_changed(job, report)
     if changed is not None:
-        return changed
+        return f"{changed} has changed"
     most = report.limits.get("points")
     if _points_worked_on(report, most) != _points_worked_on(report, job.limits.points):
         return "the limit of points has been changed"
@@ -87,11 +88,11 @@ def _why_again(job: Job, report: ScanReport | None, retry: bool) -> str | None:
     return _why_retried(job, report, retry)
 
 
-def _change_of_input(job: Job, report: ScanReport) -> str | None:
+def _what_changed(job: Job, report: ScanReport) -> str | None:
     if report.input_sha256 is None or sha256_of(job.scan) != report.input_sha256:
-        return "the scan has changed"
+        return "the scan"
     if checksums_of(job.further, job.scan.parent) != dict(report.input_files):
-        return "a file behind the scan has changed"
+        return "a file behind the scan"
     return None
 
 
@@ -124,7 +125,8 @@ def _difference(job: Job, report: ScanReport) -> str:
 def _why_retried(job: Job, report: ScanReport, retry: bool) -> str | None:
     if retry:
         return f"it was {report.status}" if report.status != FAILED else "it had failed"
-    if report.status in PASSING:
+    unlimited = report.limits.get("memory") is None
+    if report.status in PASSING or (report.status in OF_MEMORY and unlimited):
         return f"it was {report.status}, which may pass"
     for name in LIMITED.get(report.status, ()):
         before, now = report.limits.get(name), getattr(job.limits, name)

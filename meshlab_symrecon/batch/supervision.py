@@ -23,6 +23,7 @@ from meshlab_symrecon.batch.reports import (
     KILLED,
     OUT_OF_MEMORY,
     TIMED_OUT,
+    TOO_LARGE,
     ScanReport,
 )
 from meshlab_symrecon.batch.request import in_bytes
@@ -36,7 +37,7 @@ from meshlab_symrecon.host.isolation import (
     run_child,
 )
 
-__all__ = ["supervised", "supervised_for"]
+__all__ = ["lost_with_workers", "supervised", "supervised_for"]
 
 OF_THREADS = (
     "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS",
@@ -85,8 +86,7 @@ def supervised(job: Job, wanted: Callable[[], bool] | None = None) -> ScanReport
     HostError
         Nobody wants the result any more.
     """
-    started = datetime.now(timezone.utc)
-    checksum, behind = sha256_of(job.scan), checksums_of(job.further, job.scan.parent)
+    known = _known(job)
     bounds = Bounds(
         seconds=job.limits.seconds,
         memory=job.limits.memory,
@@ -102,29 +102,43 @@ def supervised(job: Job, wanted: Callable[[], bool] | None = None) -> ScanReport
     if found["status"] == DONE:
         found["output_sha256"] = sha256_of(job.output)
     if found.get("error"):
-        found["error"] = _named_shortly(job, found["error"])
+        found["error"] = _named_shortly(job, found["error"]) + _older(job)
     return ScanReport(
-        scan=job.shown_scan,
-        output=job.shown_output,
-        name=job.name,
-        input_sha256=checksum,
-        input_files=behind,
-        script=job.work.name,
-        script_sha256=job.work.script_sha256,
-        work_sha256=job.work.sha256,
-        limits=limits_as_data(job),
-        versions=job.work.versions,
+        **known,
         warnings=tuple(
             _named_shortly(job, sentence)
             for sentence in (ending.answer.warnings if ending.answer else ())
         ),
-        again=job.again,
-        started=started.isoformat(timespec="milliseconds"),
         seconds=round(ending.seconds, 3),
         peak_memory_bytes=ending.peak_memory,
         machine=platform.node(),
         **found,
     )
+
+
+def lost_with_workers(job: Job, why: str) -> ScanReport:
+    """Return the report of a job whose workers were ended from outside, one after the other."""
+    error = f"{job.shown_scan}: every worker that took it was ended: {why}"
+    words = f"{error}; when for want of memory, give them more, or thin it out with --max-points"
+    return ScanReport(status=KILLED, error=words, **_known(job))
+
+
+def _known(job: Job) -> dict[str, Any]:
+    """Return the fields of a report that are known before the work."""
+    return {
+        "scan": job.shown_scan,
+        "output": job.shown_output,
+        "name": job.name,
+        "input_sha256": sha256_of(job.scan),
+        "input_files": checksums_of(job.further, job.scan.parent),
+        "script": job.work.name,
+        "script_sha256": job.work.script_sha256,
+        "work_sha256": job.work.sha256,
+        "limits": limits_as_data(job),
+        "versions": job.work.versions,
+        "again": job.again,
+        "started": datetime.now(timezone.utc).isoformat(timespec="milliseconds"),
+    }
 
 
 def limits_as_data(job: Job) -> dict[str, Any]:
@@ -145,7 +159,16 @@ def _fields(job: Job, ending: Ending) -> dict[str, Any]:
         found = {"status": status, "error": error}
     if found["status"] == OUT_OF_MEMORY:
         found["error"] = _no_memory(job, ending)
+    if found["status"] == TOO_LARGE and job.limits.memory is None and job.share is not None:
+        found["error"] += "; scans at once share what is free, fewer --jobs leave more for each"
     return found
+
+
+def _older(job: Job) -> str:
+    """Return words on a file that looks like a result of this work, and is none."""
+    if not job.output.exists():
+        return ""
+    return f"; {job.shown_output} is still there, from before"
 
 
 def _without_answer(job: Job, ending: Ending) -> tuple[str, str]:

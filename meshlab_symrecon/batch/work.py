@@ -13,12 +13,13 @@ from meshlab_symrecon.batch.further_files import checksums_of, further_files
 from meshlab_symrecon.batch.reports import DONE, FAILED, NOT_WRITTEN, OUT_OF_MEMORY, TOO_LARGE
 from meshlab_symrecon.batch.request import Limits
 from meshlab_symrecon.errors import FileError, HostError, SizeError, SymReconError
+from meshlab_symrecon.host.free_memory import available_memory
 from meshlab_symrecon.host.versions import versions_of
 
 if TYPE_CHECKING:
     from meshlab_symrecon.plugin import Progress
 
-__all__ = ["Job", "Work", "do_job"]
+__all__ = ["Job", "Work", "do_job", "memory_share"]
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS, errno.ENOMEM)
 
@@ -71,6 +72,9 @@ class Job:
         Why it is done again.
     further : tuple of Path
         The files behind the scan: meshes of a project, materials, images.
+    share : int or None
+        Bytes of memory that a scan without a limit may count on, since others are worked on at
+        the same time; what is free when None.
     """
 
     scan: Path
@@ -82,6 +86,17 @@ class Job:
     limits: Limits
     again: str | None = None
     further: tuple[Path, ...] = ()
+    share: int | None = None
+
+    @property
+    def memory(self) -> int | None:
+        """Return what estimates are compared with."""
+        return self.share if self.limits.memory is None else self.limits.memory
+
+
+def memory_share(count: int) -> int | None:
+    """Return the memory that is free now, for each of as many scans at once; None for one."""
+    return None if count == 1 else available_memory() // count
 
 
 def do_job(job: Job, *, progress: Progress) -> dict[str, Any]:
@@ -111,6 +126,10 @@ def _worked(job: Job, found: dict[str, Any], progress: Progress) -> Any:
     if job.scan.exists() and not job.scan.is_file():  # whoever reads a pipe may wait for ever
         message = f"{job.scan} cannot be read: it is not an ordinary file"
         raise FileError(f"{message}; give a mesh file")
+    for path, shown in ((job.scan, job.shown_scan), (job.output, job.shown_output)):
+        if not _is_text(path):
+            message = f"{shown}: this name, or that of a folder above, is not in UTF-8"
+            raise FileError(f"{message}, which MeshLab needs; rename it")
     found["parameters"] = {"max_points": job.limits.points}
     if job.work.script:
         found["parameters"] |= {"strict": job.work.strict, "lenient": job.work.lenient}
@@ -120,10 +139,18 @@ def _worked(job: Job, found: dict[str, Any], progress: Progress) -> Any:
         return mesh_set
     settings, limits = job.work.settings, job.limits
     found["parameters"] |= plain(parameters_as_run(settings))
-    result = whole_method(job.scan, settings, progress, limits.points, limits.memory)
+    result = whole_method(job.scan, settings, progress, limits.points, job.memory)
     found["points"] = result.measured
     found["measures"] = _of_method(result)
     return result.mesh_set
+
+
+def _is_text(path: Path) -> bool:
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _scripted(job: Job, found: dict[str, Any], progress: Progress) -> tuple[Any, Any]:
@@ -136,7 +163,7 @@ def _scripted(job: Job, found: dict[str, Any], progress: Progress) -> tuple[Any,
     script = pickle.loads(job.work.script)  # noqa: S301  the coordinator's
     most = job.limits.points
     names = [step.name for step in script.steps]
-    check_memory(files_of(job.scan), job.limits.memory, most=most, steps=names, work="the script")
+    check_memory(files_of(job.scan), job.memory, most=most, steps=names, work="the script")
     mesh_set = new_document()
     progress(0.0, f"reading {job.scan}")
     load_input(job.scan, mesh_set)

@@ -90,7 +90,7 @@ def batch(**given: Any) -> int:
     wrong usage, 130 interrupted (143 by SIGTERM).
     """
     from meshlab_symrecon.batch import run_batch
-    from meshlab_symrecon.cli.batch_display import display, print_table
+    from meshlab_symrecon.cli.batch_display import display, in_a_line, print_table
     from meshlab_symrecon.host.interruption import signal_of_interruption
 
     quiet = _with_options_before(given)
@@ -112,16 +112,18 @@ def batch(**given: Any) -> int:
         print_table(report)
     if not report.failed:
         return DONE
-    click.echo(f"error: {_failures(report)}", err=True)
+    click.echo(in_a_line(f"error: {_failures(report)}"), err=True)
     return FAILED
 
 
 def _with_options_before(given: dict[str, Any]) -> bool:
     """Take what stands before the command's name where the command has nothing; return quiet."""
     before = click.get_current_context().find_root().params
-    for name in ("log", "threads"):
-        if given[name] is None:
-            given[name] = before.get(name)
+    if before.get("log") is not None:
+        message = "--log before 'batch' is a log for people, and batches keep none"
+        raise click.UsageError(f"{message}; give --log FILE.jsonl behind it")
+    if given["threads"] is None:
+        given["threads"] = before.get("threads")
     return bool(given.pop("quiet") or before.get("quiet"))
 
 

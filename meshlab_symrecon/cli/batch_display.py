@@ -16,7 +16,7 @@ from meshlab_symrecon.batch.reports import DONE
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-__all__ = ["Counting", "display", "found_in_words", "print_table"]
+__all__ = ["Counting", "display", "found_in_words", "in_a_line", "print_table"]
 
 IN_A_PIPE = 10_000  # columns, so that nothing is cut
 SHOWN = 3  # measures of a script
@@ -60,10 +60,10 @@ class _Lines(Counting):
     """One line a scan."""
 
     def said(self, sentence: str) -> None:
-        click.echo(sentence, err=True)
+        click.echo(in_a_line(sentence), err=True)
 
     def new(self, report: ScanReport) -> None:
-        click.echo(f"[{self.count}/{self.total}] {_in_a_line(report)}", err=True)
+        click.echo(f"[{self.count}/{self.total}] {_told(report)}", err=True)
 
 
 class _Bar(Counting):
@@ -87,10 +87,10 @@ class _Bar(Counting):
 
     def new(self, report: ScanReport) -> None:
         if report.status != DONE:
-            self.said(_in_a_line(report))
+            self.said(_told(report))
 
     def said(self, sentence: str) -> None:
-        self.bar.console.print(sentence, markup=False, highlight=False, soft_wrap=True)
+        self.bar.console.print(in_a_line(sentence), markup=False, highlight=False, soft_wrap=True)
 
 
 @contextmanager
@@ -110,12 +110,20 @@ def _bar() -> Iterator[Counting]:
         yield _Bar(bar)
 
 
-def _in_a_line(report: ScanReport) -> str:
+def in_a_line(text: str) -> str:
+    """Return a text in which what no line can show, as line feeds in names, is written out."""
+    return "".join(
+        sign if sign.isprintable() else sign.encode("unicode_escape").decode("ascii")
+        for sign in text
+    )
+
+
+def _told(report: ScanReport) -> str:
     if report.status == DONE:
-        return f"done {report.scan}: {report.seconds:.1f} s"
+        return in_a_line(f"done {report.scan}: {report.seconds:.1f} s")
     error = report.error or ""
     named = error if error.startswith(report.scan) else f"{report.scan}: {error}"
-    return f"{report.status} {named}"
+    return in_a_line(f"{report.status} {named}")
 
 
 def print_table(report: BatchReport) -> None:
@@ -134,14 +142,14 @@ def print_table(report: BatchReport) -> None:
         style = "" if one.status == DONE else "red"
         memory = f"{one.peak_memory_bytes / 2**20:.0f} MB"
         cells = (one.scan, one.status, f"{one.seconds:.1f}", memory, found_in_words(one))
-        table.add_row(*(Text(cell, style=style) for cell in cells))
+        table.add_row(*(Text(in_a_line(cell), style=style) for cell in cells))
     if sys.stdout.isatty():
         Console().print(table)
     else:
         text = io.StringIO()
         Console(file=text, width=IN_A_PIPE, color_system=None).print(table)
         click.echo("\n".join(line.rstrip() for line in text.getvalue().splitlines()))
-    click.echo(_sum(report))
+    click.echo(in_a_line(_sum(report)))
 
 
 def _sum(report: BatchReport) -> str:

@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import psutil
 import pytest
@@ -13,10 +14,13 @@ from batch_inputs import SCRIPT, Witness, cloud
 
 from meshlab_symrecon.batch import Batch, run_batch
 from meshlab_symrecon.batch import cluster as cluster_module
+from meshlab_symrecon.batch.checksums import sha256_of
+from meshlab_symrecon.batch.plan import planned
+from meshlab_symrecon.batch.reports import ScanReport
 from meshlab_symrecon.errors import HostError, SymReconError
 
 pytest.importorskip("distributed")
-COUNT = 8
+COUNT = 6
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +28,7 @@ def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("cluster")
     (folder / "halve.mlx").write_text(SCRIPT)
     for number in range(COUNT):
-        cloud(folder / "in" / f"s{number}.ply", 77 if number == 5 else 50 + number, number)
+        cloud(folder / "in" / f"s{number}.ply", 77 if number == 4 else 50 + number, number)
     return folder
 
 
@@ -107,7 +111,7 @@ def test_a_worker_that_is_killed_in_the_middle_is_no_end(place, scheduler, monke
         Batch(place / "halve.mlx", [place / "in"], place / "far", scheduler=address), killer
     )
     assert [one.status for one in report.scans].count("done") == COUNT - 1
-    assert report.scans[5].status == "crashed"
+    assert report.scans[4].status == "crashed"
     assert any("is gone; its scans are done again by others" in one for one in killer.sentences)
     assert killer.children, "the worker was at work when it was killed"
     _, alive = psutil.wait_procs(killer.children, timeout=5)
@@ -125,3 +129,57 @@ def test_without_the_extra_the_command_that_installs_it_is_told(place, monkeypat
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(SymReconError, match=r"pip install 'meshlab-symrecon\[distributed\]'"):
         run_batch(Batch(place / "halve.mlx", [place / "in"], place / "x", scheduler="tcp://a:1"))
+
+
+class KilledWorker(Exception):
+    """As dask's."""
+
+
+class Task:
+    def __init__(self, job, error):
+        self.job, self.error = job, error
+        self.status = "finished" if error is None else "error"
+
+    def exception(self):
+        return self.error
+
+    def result(self):
+        return ScanReport(self.job.shown_scan, str(self.job.output), self.job.name, "done")
+
+
+class Client:
+    """Ends as a scheduler's client does when some tasks do."""
+
+    loop = None
+
+    def __init__(self, errors):
+        self.errors, self.cancelled = errors, []
+
+    def ncores(self):
+        return {}
+
+    def submit(self, function, job, pure):
+        return Task(job, self.errors.get(job.name))
+
+    def cancel(self, tasks, force):
+        self.cancelled += tasks
+
+
+def test_a_scan_that_takes_every_worker_with_it_is_reported(place, monkeypatch):
+    scans = [place / "in" / f"s{number}.ply" for number in range(3)]
+    jobs = planned(Batch(place / "halve.mlx", scans, place / "lost", jobs=1)).jobs
+    monkeypatch.setattr(
+        cluster_module,
+        "_distributed",
+        lambda: SimpleNamespace(as_completed=lambda tasks, loop: tasks),
+    )
+    killed = Client({"s1.ply": KilledWorker("gone\n thrice")})
+    reports = list(cluster_module._done(killed, jobs, print))
+    assert [one.status for one in reports] == ["done", "killed", "done"]
+    assert "every worker that took it was ended: gone thrice; when" in reports[1].error
+    assert reports[1].input_sha256 == sha256_of(scans[1])
+    assert reports[1].work_sha256 == jobs[1].work.sha256
+    broken = Client({"s1.ply": ValueError("odd")})
+    with pytest.raises(HostError, match=r"s1\.ply: the cluster has given it up: odd; look at its"):
+        list(cluster_module._done(broken, jobs, print))
+    assert len(broken.cancelled) == 3

@@ -10,29 +10,33 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import psutil
 import pytest
 from batch_inputs import SCRIPT, Witness, cloud
 
 from meshlab_symrecon.batch import Batch, Limits, run_batch
+from meshlab_symrecon.batch.log import opened_log
+from meshlab_symrecon.batch.plan import planned
+from meshlab_symrecon.batch.resumption import standing
 from meshlab_symrecon.errors import FileError, HostError, ParameterError, ScriptError
 
 CRASHES, DIVIDES = 77, 80
-BAD = {"s3.ply": "crashed", "s5.ply": "failed", "s7.ply": "failed"}
-POINTS = {"s3.ply": CRASHES, "s5.ply": DIVIDES}
-COUNT = 10
+BAD = {"s2.ply": "crashed", "s4.ply": "failed"}
+POINTS = {"s2.ply": CRASHES}
+COUNT = 7
 PROGRAM = "from meshlab_symrecon.cli.main import main; main()"
 
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
-    """A folder with ten scans, three of them bad, and the results of an uninterrupted batch."""
+    """A folder with scans, some of them bad, and the results of an uninterrupted batch."""
     folder = tmp_path_factory.mktemp("collection")
     (folder / "halve.mlx").write_text(SCRIPT)
     for number in range(COUNT):
         name = f"s{number}.ply"
         cloud(folder / "in" / name, POINTS.get(name, 40 + 100 * number), number)
-    (folder / "in" / "s7.ply").write_bytes(b"ply\nbroken")
+    (folder / "in" / "s4.ply").write_bytes(b"ply\nbroken")
     witness = Witness()
     report = run_batch(
         Batch(folder / "halve.mlx", [folder / "in"], folder / "whole", jobs=2), witness
@@ -101,7 +105,7 @@ def all_gone(processes):
 
 def test_resumed_after_kill_9_the_bytes_are_those_of_an_uninterrupted_batch(place):
     out = place / "killed"
-    for count in (1, 4):
+    for count in (1, 3):
         process = started(place, "killed")
         processes = working_at(process, out / "batch.jsonl", count)
         process.kill()
@@ -109,7 +113,7 @@ def test_resumed_after_kill_9_the_bytes_are_those_of_an_uninterrupted_batch(plac
         assert all_gone(processes)
     (out / f".symrecon-{process.pid}-feedbeef-x").mkdir()  # of another machine: it stays
     with (out / "batch.jsonl").open("ab") as log:
-        log.write(b'{"scan": "in/s9.ply", "outp')
+        log.write(b'{"scan": "in/s6.ply", "outp')
     before = lines(out / "batch.jsonl")
     witness = Witness()
     report = run_batch(Batch(place / "halve.mlx", [place / "in"], out, jobs=2), witness)
@@ -158,27 +162,31 @@ def test_what_is_done_again_is_told_why(place, monkeypatch, tmp_path):
     for name, count in (("a", 60), ("b", 61), ("c", DIVIDES)):
         cloud(tmp_path / "in" / f"{name}.ply", count)
 
-    def reasons(**how):
-        witness = Witness()
-        run_batch(Batch("halve.mlx", ["in"], "out", jobs=1, **how), witness)
-        return {
-            sentence.split(" ")[0]: sentence.split(": ")[1] for sentence in witness.sentences
-        }, {one.name for one in witness.reports if not one.resumed}
+    run_batch(Batch("halve.mlx", ["in"], "out", jobs=1))
 
-    assert reasons() == ({}, {"a.ply", "b.ply", "c.ply"})
-    assert reasons() == ({}, set())
-    assert reasons(limits=Limits(points=1000)) == ({}, set())  # none of them has as many
-    whole = Path("out/a.ply").read_bytes()
+    def reasons(**how):
+        """Return why each scan would be done again now."""
+        plan = planned(Batch("halve.mlx", ["in"], "out", jobs=1, **how))
+        with opened_log(plan.log) as log:
+            left = standing(plan.jobs, log.reports, retry=how.get("retry", False), again=False).left
+        return {job.shown_scan: job.again for job in left}
+
+    assert reasons() == {}
+    assert reasons(limits=Limits(points=1000)) == {}  # none of them has as many
+    assert reasons(retry=True) == {"in/c.ply": "it had failed"}
     Path("out/a.ply").unlink()
     Path("out/b.ply").write_bytes(b"edited")
     told = {"in/a.ply": "its result is gone", "in/b.ply": "its result has been changed"}
-    assert reasons() == (told, {"a.ply", "b.ply"})
-    assert Path("out/a.ply").read_bytes() == whole
+    assert reasons() == told
+    witness = Witness()
+    run_batch(Batch("halve.mlx", ["in"], "out", jobs=1), witness)
+    assert witness.sentences == [f"{scan} is done again: {why}" for scan, why in told.items()]
+    assert [one.name for one in witness.reports if one.resumed] == ["c.ply"]
+    assert reasons() == {}
     cloud(tmp_path / "in/a.ply", 62)
-    assert reasons() == ({"in/a.ply": "the scan has changed"}, {"a.ply"})
-    assert reasons(retry=True) == ({"in/c.ply": "it had failed"}, {"c.ply"})
+    assert reasons() == {"in/a.ply": "the scan has changed"}
     script.write_text(SCRIPT.replace("0.5", "0.25"))
-    assert set(reasons()[0].values()) == {"the script has changed"}
+    assert set(reasons().values()) == {"the script has changed"}
 
 
 def test_no_file_of_a_batch_is_written_over(tmp_path, script, monkeypatch):
@@ -213,7 +221,18 @@ def test_no_file_of_a_batch_is_written_over(tmp_path, script, monkeypatch):
     assert {path: path.read_bytes() for path in before} == before
 
 
-def test_a_batch_that_is_wrong_starts_nothing(tmp_path, script):
+def test_numbers_of_numpy_are_numbers(tmp_path):
+    scan = cloud(tmp_path / "in/a.ply", 60)
+    works = [
+        planned(Batch("reconstruct", [scan], tmp_path / "out", settings={"randomseed": seed})).jobs
+        for seed in (3, np.int64(3))
+    ]
+    assert works[0][0].work == works[1][0].work
+    assert json.dumps(works[1][0].work.settings) == '{"randomseed": 3}'
+
+
+def test_a_batch_that_is_wrong_starts_nothing(tmp_path, script, monkeypatch):
+    monkeypatch.setattr("meshlab_symrecon.batch.cluster.PATIENCE", 0.5)
     scan = cloud(tmp_path / "in/a.ply", 60)
     before = scan.read_bytes()
     out = tmp_path / "out"
@@ -230,11 +249,11 @@ def test_a_batch_that_is_wrong_starts_nothing(tmp_path, script):
         ({"log": scan}, FileError, "would overwrite a file of the batch"),
         ({"script": wrong}, ScriptError, "Be Nice"),
         ({"strict": True, "lenient": True}, ParameterError, "contradict"),
-        ({"jobs": 0}, ParameterError, "jobs is a number above zero"),
         ({"jobs": 2, "scheduler": "tcp://x:1"}, ParameterError, "give one of jobs and scheduler"),
         ({"settings": {"paint": True}}, ParameterError, "write them in the script"),
         ({"script": "reconstruct", "lenient": True}, ParameterError, "are for scripts"),
         ({"script": "reconstruct", "settings": {"randomseed": -1}}, ParameterError, "randomseed"),
+        ({"script": "reconstruct", "settings": {"randomsed": 1}}, ParameterError, "'randomseed'"),
         ({"limits": Limits(points=5)}, ParameterError, "100"),
         ({"scheduler": "tcp://127.0.0.1:9"}, HostError, "no dask scheduler answers at"),
     ):

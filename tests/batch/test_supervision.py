@@ -18,8 +18,11 @@ from batch_inputs import SCRIPT, cloud
 
 from meshlab_symrecon.batch import Batch, Limits
 from meshlab_symrecon.batch.plan import planned
-from meshlab_symrecon.batch.supervision import supervised
+from meshlab_symrecon.batch.resumption import standing
+from meshlab_symrecon.batch.supervision import _fields, supervised
 from meshlab_symrecon.errors import HostError
+from meshlab_symrecon.host.isolation import TIMED_OUT, Ending
+from meshlab_symrecon.host.versions import versions_of_results
 
 CRASHES, SWELLS, GRASPS, DIVIDES, SLEEPS = 77, 78, 79, 80, 81
 
@@ -37,7 +40,9 @@ def job(tmp_path, script):
 
 
 def children():
-    return [child for child in psutil.Process().children(recursive=True) if child.is_running()]
+    """Return the processes that work on scans; joblib's workers of other tests wait a while."""
+    found = psutil.Process().children()
+    return [one for one in found if one.is_running() and "isolated_child" in str(one.cmdline())]
 
 
 def left_in(folder):
@@ -68,7 +73,7 @@ def test_a_good_scan(tmp_path, job):
         (SWELLS, {"memory": 400 << 20}, "out of memory", "it needs more than 400 MB of memory"),
         (GRASPS, {"memory": 400 << 20}, "out of memory", "raise --memory-limit, thin it out with"),
         (DIVIDES, {}, "failed", "ZeroDivisionError"),
-        (SLEEPS, {"seconds": 8.0}, "timed out", "it takes longer than 8 s (halve.mlx:2"),
+        (SLEEPS, {"seconds": 1.5}, "timed out", "it takes longer than 1.5 s"),
     ],
 )
 def test_a_bad_scan(tmp_path, job, monkeypatch, count, limits, status, words):
@@ -84,6 +89,16 @@ def test_a_bad_scan(tmp_path, job, monkeypatch, count, limits, status, words):
     assert children() == []
 
 
+def test_what_a_scan_was_at_when_its_time_was_over_is_told(job):
+    one = replace(job(SLEEPS, Limits(seconds=8.0)), shown_scan="in/81.ply")
+    ending = Ending(None, -9, TIMED_OUT, "halve.mlx:2: 'Be Awkward'", 8.1, 1 << 20)
+    assert _fields(one, ending) == {
+        "status": "timed out",
+        "error": "in/81.ply: it takes longer than 8 s (halve.mlx:2: 'Be Awkward'); raise "
+        "--time-limit, or simplify it first",
+    }
+
+
 def test_a_scan_that_is_too_large_is_told_before_the_work(tmp_path, job):
     one = job(60, Limits(memory=1 << 30))
     one.scan.write_bytes(one.scan.read_bytes().replace(b"vertex 60", b"vertex 4000000"))
@@ -93,6 +108,49 @@ def test_a_scan_that_is_too_large_is_told_before_the_work(tmp_path, job):
     assert report.status == "too large"
     assert "4000000 points" in report.error
     assert "--max-points" in report.error
+
+
+def test_without_a_limit_what_is_free_is_shared_and_a_want_of_it_may_pass(
+    tmp_path, job, script, monkeypatch
+):
+    one = job(60)
+    for count in (61, 62):
+        cloud(tmp_path / "in" / f"{count}.ply", count)
+    batch = Batch(script, [tmp_path / "in"], tmp_path / "out", jobs=2)
+    monkeypatch.setattr("meshlab_symrecon.batch.work.available_memory", lambda: 12 << 30)
+    for jobs, share in ((1, None), (2, 6 << 30), (9, 4 << 30)):  # there are three scans only
+        plan = planned(replace(batch, jobs=jobs))
+        assert [each.share for each in plan.jobs] == [share] * 3
+    one.scan.write_bytes(one.scan.read_bytes().replace(b"vertex 60", b"vertex 4000000"))
+    report = supervised(replace(one, share=1 << 30))
+    assert report.status == "too large"
+    assert "1.1 GB are free" in report.error
+    assert report.error.endswith(
+        "scans at once share what is free, fewer --jobs leave more for each"
+    )
+    for status in ("too large", "out of memory"):
+        again = why_again(one, replace(report, status=status))
+        assert again == f"it was {status}, which may pass"
+        limited = replace(one, limits=Limits(memory=1 << 30))
+        known = replace(report, status=status, limits={"memory": 1 << 30, "points": None})
+        assert why_again(limited, known) is None
+        assert why_again(one, known) == "the limit of memory has been raised"
+
+
+def why_again(job, report):
+    left = standing([job], [report], retry=False, again=False).left
+    return left[0].again if left else None
+
+
+def test_an_older_result_that_is_still_there_is_told(tmp_path, job, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    one = replace(job(60), shown_output="out/60.ply")
+    one.output.write_text("older")
+    one.scan.write_bytes(b"ply\nbroken")
+    report = supervised(one)
+    assert report.status == "failed"
+    assert report.error.endswith("; out/60.ply is still there, from before")
+    assert one.output.read_text() == "older"
 
 
 def test_a_process_that_is_killed_from_outside(tmp_path, job):
@@ -172,9 +230,6 @@ def test_a_worker_of_another_version_refuses(job):
 
 
 def test_the_versions_are_those_of_the_records_and_of_the_scripts_filters(job, script, tmp_path):
-    from meshlab_symrecon.batch.resumption import standing
-    from meshlab_symrecon.host.versions import versions_of_results
-
     one = job(60)
     assert one.work.versions == versions_of_results() | {"awkward": "1.0"}
     done = replace(supervised(one), status="failed")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 
 import pytest
 
@@ -108,10 +109,38 @@ def test_mistakes(place, run, words, code, sentence):
     assert not (place / "out").exists()
 
 
+def test_names_that_no_line_can_show(place, run):
+    """A line feed is written out; a name that is not UTF-8 is told, since MeshLab needs that."""
+    (place / "in/b.off").rename(place / "in/b\nof\x1b[31m.off")
+    odd = os.fsdecode(b"in/\xff.off")
+    (place / odd).write_bytes((place / "in/a.off").read_bytes())
+    done = run("batch", "halve.mlx", "in", "-d", "out", "--name", "{number}.ply", "--jobs", 1)
+    assert done.exit_code == 1
+    assert sorted(path.name for path in (place / "out").iterdir()) == [
+        "1.ply", "2.ply", "batch.jsonl"
+    ]  # fmt: skip
+    assert "[2/3] done in/b\\nof\\x1b[31m.off: " in done.stderr
+    sentence = "in/\\udcff.off: this name, or that of a folder above, is not in UTF-8, which"
+    assert f"[3/3] failed {sentence} MeshLab needs; rename it" in done.stderr
+    assert len(done.stderr.splitlines()) == 4
+    rows = done.stdout.splitlines()
+    assert [row.split()[0] for row in rows] == [
+        "scan", "in/a.off", "in/b\\nof\\x1b[31m.off", "in/\\udcff.off", "3",
+    ]  # fmt: skip
+    log = [json.loads(line) for line in (place / "out/batch.jsonl").read_text().splitlines()]
+    assert [line["scan"] for line in log] == ["in/a.off", "in/b\nof\x1b[31m.off", odd]
+    again = run("batch", "halve.mlx", "in", "-d", "out", "--name", "{number}.ply", "--jobs", 1)
+    assert "(3 from an earlier run)" in again.stdout
+
+
 def test_the_options_before_the_command_count_too(place, run):
     done = run("--quiet", "batch", "halve.mlx", "in/a.off", "-d", "out", "--jobs", 1)
     assert done.exit_code == 0
     assert (done.stdout, done.stderr) == ("", "")
+    wrong = run("--log", "work.log", "batch", "halve.mlx", "in/a.off", "-d", "out")
+    assert wrong.exit_code == 2
+    assert "give --log FILE.jsonl behind it" in wrong.stderr
+    assert not (place / "work.log").exists()
 
 
 @pytest.mark.parametrize("name", ["a.ply", "batch.jsonl"])
