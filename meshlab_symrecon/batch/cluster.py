@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import Any
 
@@ -96,16 +96,19 @@ def _connected(address: str) -> Iterator[Any]:
     distributed = _distributed()
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters we say ourselves
     try:
+        if not address.strip():  # for which dask would start a cluster of its own
+            raise ValueError(address)
         client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
-        message = f"no dask scheduler answers at {address}"
+        message = f"no dask scheduler answers at {address or "''"}"
         raise HostError(
             f"{message}; start one with 'dask scheduler', and give the address that it tells"
         ) from error
     try:
         yield client
     finally:
-        client.close(timeout=PATIENCE)
+        with suppress(TimeoutError):  # all reports are here
+            client.close(timeout=PATIENCE)
 
 
 def _check_workers(client: Any, address: str) -> None:
