@@ -39,8 +39,8 @@ def on_cluster(
     SymReconError
         The extra ``distributed`` is not installed.
     HostError
-        Nothing answers at the address, it has no workers, they have other versions, or a scan was
-        lost with one worker after the other.
+        The address is empty or nothing answers there, it has no workers, they have other versions,
+        or a scan was lost with one worker after the other.
     """
     with _connected(address) as client:
         _check_workers(client, address)
@@ -95,12 +95,13 @@ def _distributed() -> Any:
 def _connected(address: str) -> Iterator[Any]:
     distributed = _distributed()
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters we say ourselves
+    if not address.strip():  # for which dask would start a cluster of its own
+        message = "the address of the dask scheduler is empty"
+        raise HostError(f"{message}; give the one that 'dask scheduler' tells when it starts")
     try:
-        if not address.strip():  # for which dask would start a cluster of its own
-            raise ValueError(address)
         client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
-        message = f"no dask scheduler answers at {address or "''"}"
+        message = f"no dask scheduler answers at {address}"
         raise HostError(
             f"{message}; start one with 'dask scheduler', and give the address that it tells"
         ) from error

@@ -125,3 +125,9 @@ def test_without_the_extra_the_command_that_installs_it_is_told(place, monkeypat
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(SymReconError, match=r"pip install 'meshlab-symrecon\[distributed\]'"):
         run_batch(Batch(place / "halve.mlx", [place / "in"], place / "x", scheduler="tcp://a:1"))
+
+
+@pytest.mark.parametrize("address", ["", " "])
+def test_an_empty_address_starts_no_cluster(address):
+    with pytest.raises(HostError, match="the address of the dask scheduler is empty"):
+        next(cluster_module.on_cluster([], address, print))
