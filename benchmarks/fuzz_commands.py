@@ -110,7 +110,7 @@ def faults_of(given: Input, folder: Path, code: int, seconds: float, said: str) 
     if code == 0 and re.search(r"(?m)^error: ", said):
         yield "an error, but exit code 0"
     outputs = set(given.words)
-    scripts_written = outputs if "--to-python" in outputs else set()
+    scripts_written = outputs if outputs & {"--to-python", "--explain"} else set()
     for name, content in given.files.items():
         path = folder / name
         if given.server and name in outputs and given.words.count(name) > 1:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
@@ -42,8 +42,8 @@ def on_cluster(
     SymReconError
         The extra ``distributed`` is not installed.
     HostError
-        Nothing answers at the address, it has no workers, they have other versions, or the
-        scheduler has given a scan up.
+        The address is empty or nothing answers there, it has no workers, they have other versions,
+        or the scheduler has given a scan up.
     """
     with _connected(address) as client:
         _check_workers(client, address)
@@ -111,6 +111,9 @@ def _distributed() -> Any:
 def _connected(address: str) -> Iterator[Any]:
     distributed = _distributed()
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters we say ourselves
+    if not address.strip():  # for which dask would start a cluster of its own
+        message = "the address of the dask scheduler is empty"
+        raise HostError(f"{message}; give the one that 'dask scheduler' tells when it starts")
     try:
         client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
@@ -121,7 +124,8 @@ def _connected(address: str) -> Iterator[Any]:
     try:
         yield client
     finally:
-        client.close(timeout=PATIENCE)
+        with suppress(TimeoutError):  # all reports are here
+            client.close(timeout=PATIENCE)
 
 
 def _check_workers(client: Any, address: str) -> None:

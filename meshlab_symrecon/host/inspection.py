@@ -8,6 +8,7 @@ from pathlib import Path
 from meshlab_symrecon.host.held import Held
 from meshlab_symrecon.host.inspection_3ds import check_3ds
 from meshlab_symrecon.host.inspection_asc import notes_on_lines
+from meshlab_symrecon.host.inspection_dae import check_dae
 from meshlab_symrecon.host.inspection_gltf import check_gltf
 from meshlab_symrecon.host.inspection_lengths import check_length
 from meshlab_symrecon.host.inspection_obj import check_obj
@@ -33,6 +34,7 @@ CHECKS: Mapping[str, Callable[[Path], Held]] = {
 
 NUMBERED: Mapping[str, Callable[[Path], None]] = {
     "3ds": check_3ds,
+    "dae": check_dae,
     "glb": check_gltf,
     "gltf": check_gltf,
 }

@@ -109,4 +109,14 @@ def _points(file: Path, shown: Path) -> int:
     for mesh in mesh_set:
         if mesh.vertex_number():
             check_box(shown, mesh)
+            _check_corners(shown, mesh)
     return sum(int(mesh.vertex_number()) for mesh in mesh_set)
+
+
+def _check_corners(shown: Path, mesh: Any) -> None:
+    """Refuse faces that lead out of the mesh: some readers take any number for a point's."""
+    corners = mesh.face_matrix()
+    highest = int(corners.max(initial=-1))
+    if highest >= mesh.vertex_number() or corners.min(initial=0) < 0:
+        message = f"a face names a point that is none of its {mesh.vertex_number()} points"
+        raise damaged(shown, message)

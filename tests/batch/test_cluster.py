@@ -131,6 +131,12 @@ def test_without_the_extra_the_command_that_installs_it_is_told(place, monkeypat
         run_batch(Batch(place / "halve.mlx", [place / "in"], place / "x", scheduler="tcp://a:1"))
 
 
+@pytest.mark.parametrize("address", ["", " "])
+def test_an_empty_address_starts_no_cluster(address):
+    with pytest.raises(HostError, match="the address of the dask scheduler is empty"):
+        next(cluster_module.on_cluster([], address, print))
+
+
 class KilledWorker(Exception):
     """As dask's."""
 

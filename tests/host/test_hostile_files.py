@@ -811,3 +811,48 @@ def test_a_gltf_buffer_that_is_cut(tmp_path):
         loaded_gltf(tmp_path, "beside", [0, 1, 2], cut=2)
     with pytest.raises(FileError, match="its POSITION reach beyond the 40 bytes"):
         loaded_gltf(tmp_path, "beside", [0, 1, 2], cut=14)
+
+
+def sphere(folder, extension):
+    mesh_set = new_document()
+    mesh_set.create_sphere(subdiv=1)
+    path = folder / f"a.{extension}"
+    mesh_set.save_current_mesh(str(path))
+    return path
+
+
+@pytest.mark.parametrize("number", [42, 60, 200, 30_000, 2**31 - 1, -1])
+def test_numbers_that_lead_out_of_a_collada_mesh(tmp_path, number):
+    path = sphere(tmp_path, "dae")
+    before, after = path.read_text().split("<p>", 1)
+    path.write_text(f"{before}<p>{number} {after.split(None, 1)[1]}")
+    with pytest.raises(FileError, match=f"a face names VERTEX {number} of a mesh with 42 points"):
+        load(path)
+
+
+def test_a_normal_that_a_collada_mesh_does_not_have(tmp_path):
+    path = sphere(tmp_path, "dae")
+    before, after = path.read_text().split("<p>", 1)
+    path.write_text(f"{before}<p>0 80 {after.split(None, 2)[2]}")
+    with pytest.raises(FileError, match="names NORMAL 80 of a mesh with 80 entries for it"):
+        load(path)
+
+
+@pytest.mark.parametrize("extension", ["dae", "ctm", "x3d", "wrl", "3mf", "3ds"])
+def test_good_files_of_rare_formats_pass_the_trial(tmp_path, extension):
+    mesh_set = load(sphere(tmp_path, extension))
+    assert mesh_set.current_mesh().vertex_number() == 42
+    assert mesh_set.current_mesh().face_number() == 80
+
+
+@pytest.mark.parametrize("corner", [3, -1])
+def test_faces_that_lead_out_of_what_a_reader_made(tmp_path, corner):
+    class Made:
+        def face_matrix(self):
+            return np.array([[0, 1, corner]])
+
+        def vertex_number(self):
+            return 3
+
+    with pytest.raises(FileError, match="a face names a point that is none of its 3 points"):
+        inspection_trial._check_corners(tmp_path, Made())
