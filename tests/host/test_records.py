@@ -14,7 +14,7 @@ import pytest
 
 from meshlab_symrecon.errors import FileError, SymReconWarning
 from meshlab_symrecon.host import history, record_text
-from meshlab_symrecon.host.file_job import run_on_files
+from meshlab_symrecon.host.file_job import Manner, run_on_files
 from meshlab_symrecon.host.files import load, new_document, save_current
 from meshlab_symrecon.host.meshset import add_layer, read_layer
 from meshlab_symrecon.host.projects import save_project
@@ -300,7 +300,7 @@ def test_a_script_leaves_its_steps(tmp_path, isolate):
         "<Param type='RichInt' name='count' value='17'/></filter></FilterScript>"
     )
     out = tmp_path / "out.ply"
-    run_on_files(script, [scan], out, strict=False, lenient=False, isolate=isolate, progress=silent)
+    run_on_files(script, [scan], out, manner=Manner(isolate=isolate), progress=silent)
     record = read_record(out)
     assert [item.name for item in record.inputs] == ["scan.ply"]
     assert [step.filter for step in record.steps] == [SIMPLIFY]
