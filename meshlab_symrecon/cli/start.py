@@ -21,7 +21,10 @@ def symrecon() -> None:
     _end_at_interrupt()
     from meshlab_symrecon.cli.main import main
 
-    main()
+    try:
+        main()
+    finally:
+        _let_end()
 
 
 def server() -> None:
@@ -29,7 +32,10 @@ def server() -> None:
     _end_at_interrupt()
     from meshlab_symrecon.cli.server import main
 
-    main()
+    try:
+        main()
+    finally:
+        _let_end()
 
 
 def _end_at_interrupt() -> None:
@@ -41,3 +47,8 @@ def _end_at_interrupt() -> None:
 
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, end)
+
+
+def _let_end() -> None:
+    """Have no signal change the exit code of what is done, while Python tidies up."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

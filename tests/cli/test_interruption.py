@@ -15,7 +15,7 @@ import pytest
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of Posix")
 
 SENTENCE = "interrupted; nothing was left half-written\n"
-BIG, SMALL = 250_000, 15_000  # points
+BIG, SMALL = 250_000, 40_000  # points
 LONGEST = 2.5  # seconds, on a loaded machine; on a free one it is under one
 START = "from meshlab_symrecon.cli.start import symrecon; symrecon()"
 
