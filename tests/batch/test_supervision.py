@@ -122,6 +122,8 @@ def test_without_a_limit_what_is_free_is_shared_and_a_want_of_it_may_pass(
         plan = planned(replace(batch, jobs=jobs))
         assert [each.share for each in plan.jobs] == [share] * 3
     one.scan.write_bytes(one.scan.read_bytes().replace(b"vertex 60", b"vertex 4000000"))
+    with one.scan.open("ab") as file:
+        file.truncate(6 * 4_000_000 + 1000)  # what so many points take at least
     report = supervised(replace(one, share=1 << 30))
     assert report.status == "too large"
     assert "1.1 GB are free" in report.error

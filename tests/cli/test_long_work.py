@@ -103,7 +103,7 @@ def test_the_log_names_the_stages(run, statue, tmp_path):
     stages = [found[1] for found in map(STAGE.fullmatch, log.read_text().splitlines()) if found]
     for wanted in (
         "normals", "looking for mirror planes: preparing the cloud",
-        "mirroring points: choosing what fills holes",
+        "mirroring points: learning how the sides differ",
         "closing the surface: building the power diagram", f"writing {tmp_path / 'a.ply'}",
     ):  # fmt: skip
         assert wanted in stages
