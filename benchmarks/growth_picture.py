@@ -37,6 +37,9 @@ def main() -> None:
     for axes, what in ((times, "CPU seconds"), (memories, "peak memory of the process, GB")):
         axes.set(xscale="log", yscale="log", xlabel="points", ylabel=what)
         axes.grid(which="major", alpha=0.4)
+    for axes, ticks in ((times, (0.5, 1, 2, 5, 10, 20, 50)), (memories, (0.2, 0.5, 1, 2, 5))):
+        axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+        axes.set_yticks([], minor=True)
     times.legend(fontsize=7)
     figure.savefig(sys.argv[2], dpi=110, metadata={"Software": None})
 
