@@ -8,6 +8,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Iterator
 
+from meshlab_symrecon import _native
 from meshlab_symrecon.host.mlx import Param, Script, Step
 from meshlab_symrecon.host.resolution import matched
 from meshlab_symrecon.host.translation import script_name_in_python
@@ -93,5 +94,6 @@ def _value(param: Param) -> str:
 
 
 def _write(lines: Iterable[str]) -> None:
+    _native.flush_streams()  # into a pipe or a file, both keep what they have for later
     sys.stdout.write("".join(f"{line}\n" for line in lines))
     sys.stdout.flush()

@@ -1,5 +1,6 @@
 // Where C++'s standard streams write to: kept, and put back after other native code has failed.
 #include <cstdint>
+#include <cstdio>
 #include <iostream>
 
 #include <nanobind/stl/pair.h>
@@ -21,10 +22,17 @@ void set_stream_buffers(Address output, Address error) {
   std::cerr.rdbuf(reinterpret_cast<std::streambuf*>(error));
 }
 
+void flush_streams() {
+  std::cout.flush();
+  std::cerr.flush();
+  std::fflush(nullptr);
+}
+
 }  // namespace
 
 void bind_streams(nanobind::module_& module) {
   module.def("stream_buffers", &stream_buffers);
+  module.def("flush_streams", &flush_streams);
   module.def("set_stream_buffers", &set_stream_buffers, nanobind::arg("output"),
              nanobind::arg("error"));
 }
