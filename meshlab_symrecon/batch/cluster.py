@@ -56,7 +56,8 @@ def _done(
     by_task = {client.submit(supervised_there, job, pure=False): job for job in jobs}
     workers = set(client.ncores())
     try:
-        for task in _distributed().as_completed(by_task, loop=client.loop):
+        ended = _distributed().as_completed(by_task, loop=client.loop)
+        for task in ended:
             now = set(client.ncores())
             for worker in sorted(workers - now):
                 said(f"the worker at {worker} is gone; its scans are done again by others")
@@ -65,6 +66,10 @@ def _done(
                 yield task.result()
             elif task.status == "error" and type(task.exception()).__name__ == TOOK_ALL:
                 yield lost_with_workers(by_task[task], _in_words(task.exception()))
+            elif task.status == "lost":  # done, and its worker gone before it could tell
+                again = client.submit(supervised_there, by_task[task], pure=False)
+                by_task[again] = by_task[task]
+                ended.add(again)
             else:
                 raise _lost(by_task[task], task)
     finally:

@@ -887,7 +887,7 @@ RUNS = {
     ),
     "two_scans_to_solid": Case(
         "two_scans",
-        "compute_matrix_by_icp_between_meshes apply_matrix_freeze "
+        "apply_matrix_freeze "
         "generate_by_merging_visible_meshes generate_simplified_points "
         "generate_surface_reconstruction_power_crust get_topological_measures",
         layers=(
