@@ -29,13 +29,8 @@ from meshlab_symrecon.batch.reports import (
 from meshlab_symrecon.batch.request import in_bytes
 from meshlab_symrecon.batch.work import Job, do_job
 from meshlab_symrecon.errors import HostError
-from meshlab_symrecon.host.isolation import (
-    ABANDONED,
-    Bounds,
-    Ending,
-    crash_in_words,
-    run_child,
-)
+from meshlab_symrecon.host.child_watch import ABANDONED, Bounds
+from meshlab_symrecon.host.isolation import Ending, crash_in_words, run_child
 
 __all__ = ["lost_with_workers", "supervised", "supervised_for"]
 

@@ -21,7 +21,8 @@ from meshlab_symrecon.batch.plan import planned
 from meshlab_symrecon.batch.resumption import standing
 from meshlab_symrecon.batch.supervision import _fields, supervised
 from meshlab_symrecon.errors import HostError
-from meshlab_symrecon.host.isolation import TIMED_OUT, Ending
+from meshlab_symrecon.host.child_watch import TIMED_OUT
+from meshlab_symrecon.host.isolation import Ending
 from meshlab_symrecon.host.versions import versions_of_results
 
 CRASHES, SWELLS, GRASPS, DIVIDES, SLEEPS = 77, 78, 79, 80, 81
