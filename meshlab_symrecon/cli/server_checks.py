@@ -98,7 +98,7 @@ def check_on_document(job: Job, checked: Checked, mesh_set: Any) -> tuple[Any, .
 
 def _check_scripts(job: Job, problems: _Problems) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     from meshlab_symrecon.host.findings import check_findings
-    from meshlab_symrecon.host.mlx import read_script
+    from meshlab_symrecon.host.mlx_reading import read_script
     from meshlab_symrecon.host.resolution import matched
 
     scripts: list[Any] = []

@@ -21,7 +21,7 @@ from meshlab_symrecon.errors import FileError, ScriptError, SymReconWarning
 from meshlab_symrecon.host import inspection_obj, inspection_trial, number_lines
 from meshlab_symrecon.host.files import check_input, load, new_document, save_current
 from meshlab_symrecon.host.inspection import inspect
-from meshlab_symrecon.host.mlx import read_script
+from meshlab_symrecon.host.mlx_reading import read_script
 from meshlab_symrecon.host.project_files import read_project
 from meshlab_symrecon.host.reconstruction import whole_method
 
@@ -655,7 +655,7 @@ def test_an_input_with_an_impossible_name(tmp_path):
 
 
 def test_a_script_without_an_end(monkeypatch):
-    monkeypatch.setattr("meshlab_symrecon.host.mlx.LARGEST", 1 << 20)
+    monkeypatch.setattr("meshlab_symrecon.host.mlx_reading.LARGEST", 1 << 20)
     with pytest.raises(ScriptError, match="/dev/zero:1: a filter script has at most 1 MB"):
         read_script("/dev/zero")
 
