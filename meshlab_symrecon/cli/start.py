@@ -18,20 +18,20 @@ OF_SIGNALS = 128
 
 def symrecon() -> None:
     """Run ``symrecon``."""
-    _end_at_interrupt()
-    from meshlab_symrecon.cli.main import main
-
-    try:
-        main()
-    finally:
-        _let_end()
+    _run("meshlab_symrecon.cli.main")
 
 
 def server() -> None:
     """Run ``symrecon-server``."""
-    _end_at_interrupt()
-    from meshlab_symrecon.cli.server import main
+    _run("meshlab_symrecon.cli.server")
 
+
+def _run(program: str) -> None:
+    """Load a program and run its ``main``; Ctrl-C is seen to before, and when it is done."""
+    _end_at_interrupt()
+    from importlib import import_module
+
+    main = import_module(program).main
     try:
         main()
     finally:
