@@ -59,7 +59,8 @@ def planned(batch: Batch) -> Plan:
     ParameterError
         The template, the number of jobs, or the settings are wrong.
     """
-    from meshlab_symrecon.host.files import READABLE, WRITABLE
+    from meshlab_symrecon.host.formats import WRITABLE
+    from meshlab_symrecon.host.paths import READABLE
     from meshlab_symrecon.host.projects import PROJECT
     from meshlab_symrecon.host.thinning import check_most
 

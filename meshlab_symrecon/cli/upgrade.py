@@ -64,7 +64,7 @@ def upgrade(
 
 
 def _check_new(old: Path, new: Path | None) -> None:
-    from meshlab_symrecon.host.files import check_output
+    from meshlab_symrecon.host.paths import check_output
 
     if new is not None:
         check_output(new, [old], ())

@@ -46,8 +46,8 @@ def read_script(path: str | Path) -> Script:
         with path.open("rb") as file:  # perhaps a pipe, or a device without an end
             content = file.read(LARGEST + 1)
     except (OSError, ValueError) as error:
-        words = reason(error) if isinstance(error, OSError) else str(error)
-        raise FileError(f"script {path} cannot be read: {words}; check its path") from error
+        message = f"script {path} cannot be read: {reason(error)}; check its path"
+        raise FileError(message) from error
     if len(content) > LARGEST:
         raise ScriptError(f"{path}:1: a filter script has at most {LARGEST >> 20} MB; got more")
     content, skipped = _without_leading_blanks(content)

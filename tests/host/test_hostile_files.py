@@ -19,9 +19,10 @@ from hypothesis.extra.numpy import arrays
 from meshlab_symrecon.cli.main import main
 from meshlab_symrecon.errors import FileError, ScriptError, SymReconWarning
 from meshlab_symrecon.host import inspection_obj, inspection_trial, number_lines
-from meshlab_symrecon.host.files import check_input, load, new_document, save_current
+from meshlab_symrecon.host.files import load, new_document, save_current
 from meshlab_symrecon.host.inspection import inspect
 from meshlab_symrecon.host.mlx_reading import read_script
+from meshlab_symrecon.host.paths import check_input
 from meshlab_symrecon.host.project_files import read_project
 from meshlab_symrecon.host.reconstruction import whole_method
 
