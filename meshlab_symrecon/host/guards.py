@@ -16,16 +16,7 @@ from meshlab_symrecon.host.value_limits import check_limits
 if TYPE_CHECKING:
     from meshlab_symrecon.host.native_filters import NativeFilter
 
-__all__ = [
-    "check_display",
-    "check_document",
-    "check_faces",
-    "check_finite",
-    "check_normals",
-    "check_sound",
-    "check_step",
-    "check_vertices",
-]
+__all__ = ["check_display", "check_sound", "check_step"]
 
 # Filters that crash when the layer that this parameter names has no points; the current may have
 # none.
@@ -63,14 +54,14 @@ def check_step(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> 
     check_display(item)
     check_sound(item, values)
     check_limits(item, values)
-    check_document(mesh_set, item)
+    _check_document(mesh_set, item)
     check_layers(mesh_set, item, values)
     if current_identifier(mesh_set) >= 0:
-        check_vertices(mesh_set, item, values)
+        _check_vertices(mesh_set, item, values)
         check_distinct(mesh_set, item, values)
-        check_faces(mesh_set, item, values)
-        check_finite(mesh_set, item, values)
-        check_normals(mesh_set, item)
+        _check_faces(mesh_set, item, values)
+        _check_finite(mesh_set, item, values)
+        _check_normals(mesh_set, item)
         check_shape(mesh_set, item, values)
 
 
@@ -108,25 +99,15 @@ def check_sound(item: NativeFilter, values: Mapping[str, Any]) -> None:
     raise HostError(message)
 
 
-def check_document(mesh_set: Any, item: NativeFilter) -> None:
-    """Refuse a filter that crashes on a document without layers.
-
-    Raises
-    ------
-    HostError
-    """
+def _check_document(mesh_set: Any, item: NativeFilter) -> None:
+    """Refuse a filter that crashes on a document without layers."""
     if "empty" in item.fatal and mesh_set.mesh_number() == 0:
         message = f"'{item.menu_name}' needs a layer; got an empty document; load one first"
         raise HostError(message)
 
 
-def check_vertices(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse a filter that crashes on a layer without vertices: one that it names, if it does.
-
-    Raises
-    ------
-    GeometryError
-    """
+def _check_vertices(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
+    """Refuse a filter that crashes on a layer without vertices: one that it names, if it does."""
     if "void" not in item.fatal:
         return
     number = current_identifier(mesh_set)
@@ -141,13 +122,8 @@ def check_vertices(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any])
         raise GeometryError(message)
 
 
-def check_faces(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse a filter that crashes on a cloud, or deletes its points on the way to something else.
-
-    Raises
-    ------
-    GeometryError
-    """
+def _check_faces(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
+    """Refuse a filter that crashes on a cloud, or deletes its points in passing."""
     fatal = "cloud" in item.fatal and "mesh" not in item.fatal
     if not fatal and item.python_name not in EMPTY_CLOUDS_TOO:
         return
@@ -164,13 +140,8 @@ def check_faces(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) ->
         raise GeometryError(message)
 
 
-def check_finite(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse NaN where a filter crashes on it, or takes shares of a box that it makes meaningless.
-
-    Raises
-    ------
-    GeometryError
-    """
+def _check_finite(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
+    """Refuse NaN where a filter crashes on it, or takes shares of the box that it spoils."""
     shares = (known.name for known in item.parameters if known.rich_type == "RichAbsPerc")
     defaulted = [name for name in shares if name not in values]
     fatal = item.python_name in FATAL_WITH_NAN
@@ -189,13 +160,8 @@ def check_finite(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -
             raise GeometryError(message)
 
 
-def check_normals(mesh_set: Any, item: NativeFilter) -> None:
-    """Refuse Screened Poisson without normals: its 'preclean' would delete every point.
-
-    Raises
-    ------
-    GeometryError
-    """
+def _check_normals(mesh_set: Any, item: NativeFilter) -> None:
+    """Refuse Screened Poisson without normals: its 'preclean' would delete every point."""
     if item.python_name != POISSON:
         return
     mesh = mesh_set.current_mesh()
