@@ -48,7 +48,7 @@ def test_templates(template, expected):
         ("{stem.ply", "cannot be read"),
         ("{number:x.y}.ply", "cannot be filled in"),
         ("../{stem}.ply", "not inside of the folder"),
-        ("/tmp/{stem}.ply", "not inside of the folder"),
+        ("/elsewhere/{stem}.ply", "not inside of the folder"),
         ("", "not inside of the folder"),
         (".{stem}.ply", "hidden"),
         ("{stem}.pdf", "'.pdf', which cannot be written"),
