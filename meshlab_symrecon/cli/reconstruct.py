@@ -266,17 +266,12 @@ def as_data(
     seconds: float,
 ) -> dict[str, Any]:
     """Return everything that was found and measured; the planes as in every other report."""
-    from meshlab_symrecon.cli.reports import detection
+    from meshlab_symrecon.host.measures import findings
     from meshlab_symrecon.host.reconstruction import parameters_as_run
     from meshlab_symrecon.host.records import versions
 
-    completed = dict(result.completed)
     return {
-        **detection(result.found),
-        "measured": completed.pop("measured"),
-        "mirrored": completed.pop("mirrored"),
-        "completion": completed,
-        "surface": dict(result.surface),
+        **findings(result),
         "seconds": seconds,
         "input": str(scan),
         "output": str(outputs.surface),

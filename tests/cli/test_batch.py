@@ -120,8 +120,8 @@ def test_names_that_no_line_can_show(place, run):
         "1.ply", "2.ply", "batch.jsonl"
     ]  # fmt: skip
     assert "[2/3] done in/b\\nof\\x1b[31m.off: " in done.stderr
-    sentence = "in/\\udcff.off: this name, or that of a folder above, is not in UTF-8, which"
-    assert f"[3/3] failed {sentence} MeshLab needs; rename it" in done.stderr
+    sentence = "in/\\udcff.off cannot be read: its name is not UTF-8, and MeshLab takes no other"
+    assert f"[3/3] failed {sentence}; rename it" in done.stderr
     assert len(done.stderr.splitlines()) == 4
     rows = done.stdout.splitlines()
     assert [row.split()[0] for row in rows] == [
