@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from meshlab_symrecon.batch.claims import TAKEN
 from meshlab_symrecon.batch.reports import ScanReport
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.atomic import flush_folder, reason
@@ -73,7 +74,7 @@ def opened_log(path: Path) -> Iterator[Log]:
     Raises
     ------
     FileError
-        It cannot be opened, another process has it open, or it holds something else.
+        It cannot be opened or locked, another process has it open, or it holds something else.
     """
     new = not path.exists()
     try:
@@ -105,8 +106,11 @@ def _lock(descriptor: int, path: Path) -> None:
 
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
-        message = f"another batch is at work on the log {path}"
-        raise FileError(f"{message}; wait for it, or give other folders and logs") from error
+        if error.errno in TAKEN:
+            message = f"another batch is at work on the log {path}"
+            raise FileError(f"{message}; wait for it, or give another one with --log") from error
+        message = f"the log {path} cannot be locked: {reason(error)}"
+        raise FileError(f"{message}; give a path on another disk with --log") from error
 
 
 def _mended(descriptor: int, path: Path) -> bytes:

@@ -32,12 +32,15 @@ class Plan:
     ----------
     jobs : tuple of Job
         One a scan, in order.
+    folder : Path
+        Of the results; they may be in folders in it.
     log : Path
     count : int
         How many scans are worked on at once, on this machine.
     """
 
     jobs: tuple[Job, ...]
+    folder: Path
     log: Path
     count: int
 
@@ -82,7 +85,7 @@ def planned(batch: Batch) -> Plan:
     kept = [] if work.name == RECONSTRUCT else [_absolute(Path(batch.script))]
     _check_places(jobs, kept)
     _check_written(jobs, kept, log, None if batch.summary is None else Path(batch.summary))
-    plan = Plan(jobs, log, count)
+    plan = Plan(jobs, folder, log, count)
     for place in plan.folders:
         _make(place)
     for job in jobs:

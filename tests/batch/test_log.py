@@ -153,3 +153,12 @@ def _twice_then_full(write):
 def test_a_log_that_cannot_be_opened_is_told(tmp_path):
     with pytest.raises(FileError, match=r"the log .* cannot be opened"):
         read(tmp_path)
+
+
+def test_a_log_that_cannot_be_locked_is_told(tmp_path, monkeypatch):
+    def refused(*given):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("fcntl.flock", refused)
+    with pytest.raises(FileError, match="cannot be locked: No locks available; give a path on"):
+        read(tmp_path / "batch.jsonl")
