@@ -177,15 +177,17 @@ def _save(mesh_set: Any, job: Job) -> None:
     from meshlab_symrecon.host.files import save_current
     from meshlab_symrecon.host.projects import PROJECT, files_of, save_project
     from meshlab_symrecon.host.records import record_of
+    from meshlab_symrecon.host.textures import images_named_by_contents
 
     most = job.limits.points
     own = {} if most is None else {"max_points": most}  # the others are parameters of the steps
     record = record_of(mesh_set, files_of(job.scan), own)
     try:
-        if job.output.suffix.lower() == f".{PROJECT}":
-            save_project(mesh_set, job.output, files_of(job.scan), record=record)
-        else:
-            save_current(mesh_set, job.output, record)
+        with images_named_by_contents():  # other jobs write into the same folder meanwhile
+            if job.output.suffix.lower() == f".{PROJECT}":
+                save_project(mesh_set, job.output, files_of(job.scan), record=record)
+            else:
+                save_current(mesh_set, job.output, record)
     except FileError as error:
         raise _NotWrittenError(str(error)) from error
 
