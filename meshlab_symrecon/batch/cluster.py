@@ -138,13 +138,13 @@ def _distributed() -> Any:
 
 @contextmanager
 def _connected(address: str) -> Iterator[Any]:
-    distributed = _distributed()
     if not address.strip():  # for which dask would start a cluster of its own
         message = "the address of the dask scheduler is empty"
         raise HostError(f"{message}; give the one that 'dask scheduler' tells when it starts")
+    _distributed()  # what it sets its voices to is known from here on
     with _in_silence():
         try:
-            client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
+            client = _client()(address, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
             message = f"no dask scheduler answers at {address}"
             raise HostError(
@@ -155,6 +155,16 @@ def _connected(address: str) -> Iterator[Any]:
         finally:
             with suppress(OSError):  # all reports are here
                 client.close(timeout=PATIENCE)
+
+
+def _client() -> Any:
+    """Return dask's class of clients, without its last words on one that was never connected."""
+
+    class Client(_distributed().Client):  # type: ignore[misc]
+        def __del__(self) -> None:
+            """Leave it: we close what was connected."""
+
+    return Client
 
 
 @contextmanager

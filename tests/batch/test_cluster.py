@@ -20,7 +20,7 @@ from meshlab_symrecon.batch.plan import planned
 from meshlab_symrecon.batch.reports import ScanReport
 from meshlab_symrecon.errors import HostError, SymReconError
 
-pytest.importorskip("distributed")
+distributed = pytest.importorskip("distributed")
 COUNT = 6
 
 
@@ -144,6 +144,15 @@ def test_without_the_extra_the_command_that_installs_it_is_told(place, monkeypat
 def test_an_empty_address_starts_no_cluster(address):
     with pytest.raises(HostError, match="the address of the dask scheduler is empty"):
         next(cluster_module.on_cluster([], address, print))
+
+
+def test_a_client_that_never_connected_says_nothing_when_it_goes(monkeypatch):
+    """Dask's own would try to close it for seconds, and print a traceback."""
+    closed = []
+    monkeypatch.setattr(distributed.Client, "close", lambda *given, **more: closed.append(given))
+    client = cluster_module._client()
+    client.__new__(client).__del__()
+    assert closed == []
 
 
 class KilledWorker(Exception):
