@@ -18,10 +18,14 @@ from meshlab_symrecon.host.atomic import flush_folder, reason
 
 __all__ = ["Log", "opened_log"]
 
-BEGINNING = b'{"scan": '
+BEGINNING = b'{"scan": "'
 REQUIRED = {"scan": str, "output": str, "name": str, "status": str, "work_sha256": str}
-OPTIONAL = {"input_sha256": str, "output_sha256": str, "error": str, "limits": dict, "points": int,
-            "input_files": dict, "output_files": dict}  # fmt: skip
+OPTIONAL: dict[str, type | tuple[type, ...]] = {
+    "error": str, "input_sha256": str, "output_sha256": str, "input_files": dict,
+    "output_files": dict, "script": str, "script_sha256": str, "parameters": dict, "limits": dict,
+    "versions": dict, "measures": dict, "points": int, "steps": list, "warnings": list,
+    "again": str, "started": str, "seconds": (int, float), "peak_memory_bytes": int, "machine": str,
+}  # fmt: skip
 
 
 class Log:
@@ -140,8 +144,10 @@ def _mended(descriptor: int, path: Path) -> bytes:
 
 
 def _is_log(lines: list[bytes], rest: bytes) -> bool:
-    """Say whether a line is ours; before the first is whole, half of it, or nothing at all, do."""
+    """Say whether a line is ours, maybe damaged; before the first: half of it, or nothing."""
     if any(_record(line) is not None for line in (*lines, rest)):
+        return True
+    if any(line.startswith(BEGINNING) for line in lines):  # damaged, as when a block was lost
         return True
     return not any(line.strip() for line in lines) and _is_half_ours(rest)
 
@@ -163,9 +169,12 @@ def _record(line: bytes) -> dict[str, Any] | None:
         data = json.loads(line)
     except (ValueError, RecursionError):
         return None
-    ours = isinstance(data, dict) and all(
-        isinstance(data.get(name), kind) for name, kind in REQUIRED.items()
-    ) and all(
-        isinstance(data.get(name), (kind, type(None))) for name, kind in OPTIONAL.items()
-    )  # fmt: skip
+    ours = (
+        isinstance(data, dict)
+        and all(isinstance(data.get(name), kind) for name, kind in REQUIRED.items())
+        and all(
+            data.get(name) is None or isinstance(data[name], OPTIONAL[name]) for name in OPTIONAL
+        )
+        and all(isinstance(step, dict) for step in data.get("steps") or ())
+    )
     return data if ours else None
