@@ -9,6 +9,7 @@ from typing import Any
 from meshlab_symrecon.cli.reconstruct_outputs import Outputs
 from meshlab_symrecon.cli.reports import detection
 from meshlab_symrecon.cli.unfilled import holes, left_alone, place, width
+from meshlab_symrecon.host.measures import findings
 from meshlab_symrecon.host.reconstruction import Reconstruction, parameters_as_run
 from meshlab_symrecon.host.records import versions
 
@@ -52,13 +53,8 @@ def as_data(
     seconds: float,
 ) -> dict[str, Any]:
     """Return everything that was found and measured; the planes as in every other report."""
-    completed = dict(result.completed)
     return {
-        **detection(result.found),
-        "measured": completed.pop("measured"),
-        "mirrored": completed.pop("mirrored"),
-        "completion": completed,
-        "surface": dict(result.surface),
+        **findings(result),
         "seconds": seconds,
         "input": str(scan),
         "output": str(outputs.surface),

@@ -221,6 +221,27 @@ def test_no_file_of_a_batch_is_written_over(tmp_path, script, monkeypatch):
     assert {path: path.read_bytes() for path in before} == before
 
 
+def test_the_checks_of_a_batch_with_results_grow_as_its_scans_do(tmp_path, script, monkeypatch):
+    """Thousands of scans with results of an earlier run are compared by sets, not in pairs."""
+    looks, stat = [], os.stat
+
+    def counted(*given, **more):
+        looks.append(given)
+        return stat(*given, **more)
+
+    monkeypatch.setattr(os, "stat", counted)
+    counts = []
+    for scans in (50, 100):
+        for number in range(scans):
+            cloud(tmp_path / "in" / f"{number}.ply", 1)
+            (tmp_path / f"out {scans}").mkdir(exist_ok=True)
+            (tmp_path / f"out {scans}" / f"{number}.ply").write_bytes(b"older")
+        looks.clear()
+        planned(Batch(script, [tmp_path / "in"], tmp_path / f"out {scans}"))
+        counts.append(len(looks))
+    assert counts[0] <= counts[1] <= 2.1 * counts[0]
+
+
 def test_numbers_of_numpy_are_numbers(tmp_path):
     scan = cloud(tmp_path / "in/a.ply", 60)
     works = [

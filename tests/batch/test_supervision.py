@@ -67,6 +67,21 @@ def test_a_good_scan(tmp_path, job):
     assert supervised(one).output_sha256 == report.output_sha256
 
 
+def test_names_that_meshlab_cannot_take(tmp_path, job):
+    """They are told before the work, and called as the user called them."""
+    one = job(60)
+    odd = os.fsdecode(b"\xff")
+    there, shown = tmp_path / odd / "x.ply", f"{odd}/x.ply"
+    there.parent.mkdir()
+    written = supervised(replace(one, output=there, shown_output=shown))
+    assert written.status == "failed"
+    assert written.error.startswith(f"{shown} cannot be written: this name, or that of a folder")
+    there.write_bytes(one.scan.read_bytes())
+    read = supervised(replace(one, scan=there, shown_scan=shown))
+    assert read.status == "failed"
+    assert read.error.startswith(f"{shown} cannot be read: its name is not UTF-8")
+
+
 @pytest.mark.parametrize(
     ("count", "limits", "status", "words"),
     [
