@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,17 @@ def pytest_configure():
     """Hear Ctrl-C: in the background of a script it is ignored, by all that is started, too."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    with suppress(ImportError):  # what is released is tested without it
+        _make_hypothesis_certain()
+
+
+def _make_hypothesis_certain():
+    """Draw the same examples each time, however slow the machine is."""
+    from hypothesis import HealthCheck, settings
+
+    calm = settings(derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+    settings.register_profile("certain", calm)
+    settings.load_profile("certain")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -413,7 +413,7 @@ def test_points_come_back_to_the_last_bit(tmp_path_factory, name):
     }[name]
     path = tmp_path_factory.mktemp("round") / name
 
-    @settings(max_examples=25, derandomize=True, deadline=None)
+    @settings(max_examples=25)
     @given(coordinates)
     def back(points):
         path.write_bytes(write(points))
