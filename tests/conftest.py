@@ -12,9 +12,14 @@ import pytest
 
 
 def pytest_configure():
-    """Hear Ctrl-C: in the background of a script it is ignored, by all that is started, too."""
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    """Hear signals: in the background of a script Ctrl-C is ignored, under nohup SIGHUP is.
+
+    So it would be by all that is started, too.
+    """
+    for name, heard in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.SIG_DFL)):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, heard)
     with suppress(ImportError):  # what is released is tested without it
         _make_hypothesis_certain()
 
