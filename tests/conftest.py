@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+if os.environ.get("LC_ALL") in ("C", "POSIX"):  # MeshLab, when it is loaded, would name files so
+    os.environ["LC_ALL"] = "C.UTF-8"
+
 
 def pytest_configure():
     """Hear signals: in the background of a script Ctrl-C is ignored, under nohup SIGHUP is.

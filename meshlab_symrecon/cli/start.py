@@ -19,6 +19,7 @@ OF_SIGNALS = 128
 def symrecon() -> None:
     """Run ``symrecon``."""
     _end_at_interrupt()
+    _write_names_in_utf_8()
     from meshlab_symrecon.cli.main import main
 
     try:
@@ -30,12 +31,19 @@ def symrecon() -> None:
 def server() -> None:
     """Run ``symrecon-server``."""
     _end_at_interrupt()
+    _write_names_in_utf_8()
     from meshlab_symrecon.cli.server import main
 
     try:
         main()
     finally:
         _let_end()
+
+
+def _write_names_in_utf_8() -> None:
+    """Let MeshLab and child processes name files as Python does, also where LC_ALL is C."""
+    if os.environ.get("LC_ALL") in ("C", "POSIX"):
+        os.environ["LC_ALL"] = "C.UTF-8"
 
 
 def _end_at_interrupt() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 
@@ -119,6 +120,17 @@ def test_interruption_leaves_nothing_half_written(statue, tmp_path):
     assert ended.returncode == 130
     assert ended.stderr == "interrupted; nothing was left half-written\n"
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("language", ["C", "POSIX"])
+def test_names_of_files_are_utf_8_in_any_language(tmp_path, language):
+    start = "from meshlab_symrecon.cli.start import symrecon; symrecon()"
+    words = ["apply", "create_cube", "-o", "größe.ply"]
+    environment = os.environ | {"LC_ALL": language}
+    command = [sys.executable, "-c", start, *words]
+    ended = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert [path.name for path in tmp_path.iterdir()] == ["größe.ply"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes of Posix")
