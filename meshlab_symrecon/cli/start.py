@@ -29,6 +29,7 @@ def server() -> None:
 def _run(program: str) -> None:
     """Load a program and run its ``main``; Ctrl-C is seen to before, and when it is done."""
     _end_at_interrupt()
+    _write_names_in_utf_8()
     from importlib import import_module
 
     main = import_module(program).main
@@ -36,6 +37,12 @@ def _run(program: str) -> None:
         main()
     finally:
         _let_end()
+
+
+def _write_names_in_utf_8() -> None:
+    """Let MeshLab and child processes name files as Python does, also where LC_ALL is C."""
+    if os.environ.get("LC_ALL") in ("C", "POSIX"):
+        os.environ["LC_ALL"] = "C.UTF-8"
 
 
 def _end_at_interrupt() -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import json
 import logging
-import socket
 import subprocess
 import sys
 import time
@@ -22,6 +22,7 @@ from meshlab_symrecon.errors import HostError, SymReconError
 
 distributed = pytest.importorskip("distributed")
 COUNT = 6
+HANGS = 60  # seconds after which something will never come, on a busy machine, too
 
 
 @pytest.fixture(scope="module")
@@ -29,20 +30,13 @@ def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("cluster")
     (folder / "halve.mlx").write_text(SCRIPT)
     for number in range(COUNT):
-        cloud(folder / "in" / f"s{number}.ply", 77 if number == 4 else 50 + number, number)
+        cloud(folder / "in" / f"s{number}.ply", 77 if number == 4 else 50 + 80 * number, number)
     return folder
-
-
-def free_port():
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        return found.getsockname()[1]
 
 
 @pytest.fixture
 def scheduler(tmp_path):
     """Start a scheduler; return its address and a function that starts a worker."""
-    address = f"tcp://127.0.0.1:{free_port()}"
     started = []
 
     def start(*words):
@@ -53,24 +47,22 @@ def scheduler(tmp_path):
         started.append(process)
         return process
 
-    start("scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2])
-    wait_for(address)
+    told = tmp_path / "scheduler.json"
+    start("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(told))
+    address = address_in(told)
     yield address, lambda: start("worker", address, "--nthreads", "1", "--no-nanny")
     for process in started:
         process.kill()
         process.wait()
 
 
-def wait_for(address):
-    host, port = address.removeprefix("tcp://").split(":")
-    deadline = time.monotonic() + 60
+def address_in(told):
+    deadline = time.monotonic() + HANGS
     while time.monotonic() < deadline:
         try:
-            socket.create_connection((host, int(port))).close()
-        except OSError:
+            return json.loads(told.read_text())["address"]
+        except (FileNotFoundError, ValueError):  # it is being written
             time.sleep(0.1)
-        else:
-            return
     raise AssertionError("the scheduler does not start")
 
 
@@ -78,21 +70,26 @@ def wait_for_workers(address, count):
     from distributed import Client
 
     with Client(address, set_as_default=False) as client:
-        client.wait_for_workers(count, timeout=60)
+        client.wait_for_workers(count, timeout=HANGS)
 
 
 class Killer(Witness):
-    """Kill a worker, with what it is doing, when the first scan is done."""
+    """Kill a worker, with what it is doing, when the first scan is done; then open the gate."""
 
-    def __init__(self, worker):
+    def __init__(self, worker, gate):
         super().__init__()
-        self.worker, self.children = worker, []
+        self.worker, self.gate, self.children = worker, gate, []
 
     def ended(self, report):
         super().ended(report)
-        if not self.children:
+        if self.gate.exists():
+            return
+        deadline = time.monotonic() + HANGS
+        while not self.children and time.monotonic() < deadline:
+            time.sleep(0.02)
             self.children = psutil.Process(self.worker.pid).children(recursive=True)
-            self.worker.kill()
+        self.worker.kill()
+        self.gate.touch()
 
 
 def bytes_in(folder):
@@ -101,13 +98,18 @@ def bytes_in(folder):
 
 def test_a_worker_that_is_killed_in_the_middle_is_no_end(place, scheduler, monkeypatch):
     address, worker = scheduler
-    monkeypatch.setattr(cluster_module, "PATIENCE", 2.0)
-    with pytest.raises(HostError, match="has no workers"):
-        run_batch(Batch(place / "halve.mlx", [place / "in"], place / "none", scheduler=address))
-    monkeypatch.undo()
-    first, _ = worker(), worker()
+    monkeypatch.setattr(cluster_module, "PATIENCE", HANGS)
+    with monkeypatch.context() as impatient:
+        wait = distributed.Client.wait_for_workers
+        shortly = lambda client, count, timeout: wait(client, count, timeout=0.1)  # noqa: E731
+        impatient.setattr(distributed.Client, "wait_for_workers", shortly)
+        with pytest.raises(HostError, match="has no workers"):
+            run_batch(Batch(place / "halve.mlx", [place / "in"], place / "none", scheduler=address))
+    with monkeypatch.context() as gated:
+        gated.setenv("AWKWARD_GATE", str(place / "gate"))
+        first, _ = worker(), worker()
     wait_for_workers(address, 2)
-    killer = Killer(first)
+    killer = Killer(first, place / "gate")
     report = run_batch(
         Batch(place / "halve.mlx", [place / "in"], place / "far", scheduler=address), killer
     )
@@ -115,7 +117,7 @@ def test_a_worker_that_is_killed_in_the_middle_is_no_end(place, scheduler, monke
     assert report.scans[4].status == "crashed"
     assert any("is gone; its scans are done again by others" in one for one in killer.sentences)
     assert killer.children, "the worker was at work when it was killed"
-    _, alive = psutil.wait_procs(killer.children, timeout=5)
+    _, alive = psutil.wait_procs(killer.children, timeout=HANGS)
     assert all(one.status() == psutil.STATUS_ZOMBIE for one in alive), alive
     near = run_batch(Batch(place / "halve.mlx", [place / "in"], place / "near", jobs=2))
     assert len(near.done) == COUNT - 1

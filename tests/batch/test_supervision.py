@@ -42,8 +42,14 @@ def job(tmp_path, script):
 
 def children():
     """Return the processes that work on scans; joblib's workers of other tests wait a while."""
-    found = psutil.Process().children()
-    return [one for one in found if one.is_running() and "isolated_child" in str(one.cmdline())]
+
+    def works(process):
+        try:
+            return "isolated_child" in str(process.cmdline())
+        except psutil.Error:  # it has just ended
+            return False
+
+    return [one for one in psutil.Process().children() if works(one)]
 
 
 def left_in(folder):

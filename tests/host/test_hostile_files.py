@@ -414,7 +414,7 @@ def test_points_come_back_to_the_last_bit(tmp_path_factory, name):
     }[name]
     path = tmp_path_factory.mktemp("round") / name
 
-    @settings(max_examples=25, derandomize=True, deadline=None)
+    @settings(max_examples=25)
     @given(coordinates)
     def back(points):
         path.write_bytes(write(points))
@@ -575,7 +575,14 @@ def stopped(tmp_path, monkeypatch, source):
     program += f"def points(file, shown):\n    {source}\n"
     program += "trial._points = points\ntrial.main()\n"
     monkeypatch.setattr(inspection_trial, "CHILD", program)
-    inspection_trial.try_in_child(path)
+    return inspection_trial.try_in_child(path)
+
+
+def test_the_trial_asks_for_no_addresses_for_threads(tmp_path, monkeypatch):
+    """Each core's would take 40 MB of those that the limit leaves."""
+    source = "import os; return int(os.environ['OPENBLAS_NUM_THREADS'] == '1') * 7"
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "64")
+    assert stopped(tmp_path, monkeypatch, source) == 7
 
 
 def test_a_reader_that_hangs_is_stopped(tmp_path, monkeypatch):

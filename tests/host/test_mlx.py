@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from meshlab_symrecon.errors import ParameterError
@@ -48,7 +48,6 @@ FILTER = Filter(
 )
 
 
-@settings(derandomize=True, deadline=None)
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_our_steps_come_back_to_the_last_bit(tmp_path_factory, share):
     path = tmp_path_factory.getbasetemp() / "ours.mlx"

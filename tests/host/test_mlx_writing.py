@@ -33,7 +33,7 @@ def steps(draw):
     return Step(draw(NAMES), 0, parameters, from_xml_plugin)
 
 
-@settings(derandomize=True, deadline=None, max_examples=80)
+@settings(max_examples=80)
 @given(st.lists(steps(), max_size=4))
 def test_reading_what_was_written_gives_it_back(tmp_path_factory, written_steps):
     path = tmp_path_factory.getbasetemp() / "round trip.mlx"
