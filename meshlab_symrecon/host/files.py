@@ -25,11 +25,14 @@ from meshlab_symrecon.host.formats import (
 )
 from meshlab_symrecon.host.held import Held, check_box
 from meshlab_symrecon.host.importing import after_loading
-from meshlab_symrecon.host.inspection import inspect
+from meshlab_symrecon.host.inspection import check_kind, inspect
+from meshlab_symrecon.host.inspection_ptx import ptx_rows
+from meshlab_symrecon.host.inspection_txt import txt_rows
 from meshlab_symrecon.host.material_names import with_plain_names
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.ply_plain import with_plain_data
+from meshlab_symrecon.host.point_copies import with_points_copied
 from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.record_text import Record, put_record
 from meshlab_symrecon.host.translation import translated
@@ -48,8 +51,7 @@ __all__ = [
 
 READABLE = (
     "ply", "obj", "off", "stl", "xyz", "3ds", "3mf", "apts", "asc", "bre", "ctm", "dae", "e57",
-    "es", "fbx", "glb", "gltf", "pdb", "pts", "ptx", "qobj", "tri", "txt", "vmi", "wrl", "x3d",
-    "x3dv",
+    "fbx", "glb", "gltf", "pdb", "pts", "ptx", "qobj", "txt", "wrl", "x3d", "x3dv",
 )  # fmt: skip
 
 
@@ -101,6 +103,8 @@ def load(path: str | Path, mesh_set: Any = None) -> Any:
         raise
     try:
         for identifier in new:
+            if readable.name != path.name:
+                mesh_set.mesh(identifier).set_label(path.name)
             after_loading(mesh_set, identifier, path)
     except OSError as error:
         message = f"{error.filename or path} cannot be read: {reason(error)}; check its path"
@@ -143,8 +147,10 @@ def _remove(mesh_set: Any, identifiers: list[int], current: int) -> None:
 def _readable(path: Path) -> AbstractContextManager[Path]:
     """Return the path, or one under which MeshLab reads all that the file holds."""
     extension = path.suffix.lower()
-    if extension == ".obj":
+    if extension in (".obj", ".qobj"):
         return with_plain_names(path)
+    if extension in (".ptx", ".txt"):
+        return with_points_copied(path, ptx_rows if extension == ".ptx" else txt_rows)
     return with_plain_data(path) if extension == ".ply" else nullcontext(path)
 
 
@@ -152,6 +158,7 @@ def _checked_before(path: Path) -> Held:
     """Check a file before MeshLab touches it; return what it holds."""
     try:
         check_input(path)
+        check_kind(path)
         return inspect(path, _extension(path, READABLE, "read"))
     except FileError:
         raise
