@@ -25,7 +25,7 @@ from fuzz_writers import Good, good_files
 KINDS = ("loaded", "warned", "refused", "false refusal", "silent", "traceback", "crash", "hang",
          "memory")  # fmt: skip
 BAD = ("false refusal", "silent", "traceback", "crash", "hang", "memory")
-UNCOUNTED = ("xyz", "obj", "asc", "pts", "apts")  # a shorter one may be a whole file
+UNCOUNTED = ("xyz", "obj", "qobj", "asc", "pts", "apts", "txt")  # a shorter one may be a whole file
 SECONDS = 40.0
 
 
