@@ -10,8 +10,8 @@ from meshlab_symrecon.host.held import Held
 from meshlab_symrecon.host.inspection_3ds import check_3ds
 from meshlab_symrecon.host.inspection_asc import notes_on_lines
 from meshlab_symrecon.host.inspection_bre import check_bre
-from meshlab_symrecon.host.inspection_counts import notes_on_points
 from meshlab_symrecon.host.inspection_dae import check_dae
+from meshlab_symrecon.host.inspection_e57 import notes_on_scans
 from meshlab_symrecon.host.inspection_gltf import check_gltf
 from meshlab_symrecon.host.inspection_lengths import check_length
 from meshlab_symrecon.host.inspection_obj import check_obj
@@ -89,5 +89,5 @@ def inspect(path: Path, extension: str) -> Held:
     lost = NUMBERED[extension](path) if extension in NUMBERED else 0
     notes = notes_on_lines(path, extension)
     read = try_in_child(path)
-    notes += notes_on_points(path, extension, read)
+    notes += notes_on_scans(path, extension, read)
     return Held(read + lost, lost, notes=notes)

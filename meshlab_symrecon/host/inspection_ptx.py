@@ -127,8 +127,14 @@ def _measured(reading: _Reading, block: Block) -> Iterator[PointRows]:
         width = int(block.counts[run[0]])
         numbers = block.numbers[starts[run[0]] :][: len(run) * width].reshape(-1, width)
         numbers = numbers[(numbers[:, :3] != 0.0).any(axis=1)]
-        points = numbers[:, :3] @ matrix[:3, :3] + matrix[3, :3]
-        yield PointRows(points, numbers[:, 3], _colours(numbers))
+        yield PointRows(_moved(numbers[:, :3], matrix), numbers[:, 3], _colours(numbers))
+
+
+def _moved(points: Floats, matrix: Floats) -> Floats:
+    """Return points in the common frame; infinite ones stay as they are, to be refused."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        moved = points @ matrix[:3, :3] + matrix[3, :3]
+    return np.where(np.isinf(points).any(axis=1, keepdims=True), points, moved)
 
 
 def _colours(numbers: Floats) -> Floats:
