@@ -47,7 +47,8 @@ def check_txt(path: Path) -> Held:
         columns = int(block.counts[0])
     if points == lost:
         raise FileError(f"{path} holds no points; scan again or pick another file")
-    return Held(points, lost, notes=(*_left_out(path, columns), *cut_off(path)))
+    notes = (*_headings(path), *_left_out(path, columns), *cut_off(path))
+    return Held(points, lost, notes=notes)
 
 
 def txt_rows(path: Path) -> Iterator[PointRows]:
@@ -65,6 +66,16 @@ def _coordinates(block: Block) -> np.ndarray:
     return block.numbers.reshape(len(block.counts), -1)[:, :AXES]
 
 
+def _headings(path: Path) -> tuple[str, ...]:
+    """Return a warning when more than the names of the columns come before the points."""
+    with path.open("rb") as file:
+        first_line, _, headings = _beginning(path, file)
+    if headings <= 1:  # the names of the columns
+        return ()
+    words = f"{path}: {headings} lines before line {first_line} hold no point and were passed over"
+    return (f"{words}; look at what was read",)
+
+
 def _left_out(path: Path, columns: int) -> tuple[str, ...]:
     if columns == AXES:
         return ()
@@ -77,7 +88,7 @@ def _blocks(path: Path) -> Iterator[Block]:
     check_plain_text(path)
     columns = 0
     with path.open("rb") as file:
-        first_line, separator = _beginning(path, file)
+        first_line, separator, _ = _beginning(path, file)
         for block in blocks_of(path, file, first_line, separator):
             rows = block
             if not columns and len(rows.counts):
@@ -106,8 +117,18 @@ def _check_columns(path: Path, block: Block, columns: int) -> None:
         raise damaged(path, f"{words}, and the first point has {columns}")
 
 
-def _beginning(path: Path, file: BinaryIO) -> tuple[int, bytes]:
-    """Pass over the names of the columns; return the next line's number, and what parts numbers."""
+def _beginning(path: Path, file: BinaryIO) -> tuple[int, bytes, int]:
+    """Go to the first line of numbers.
+
+    Returns
+    -------
+    number : int
+        Of that line.
+    separator : bytes
+        What parts its numbers beside blanks.
+    headings : int
+        How many lines of words come before it.
+    """
     file.seek(len(MARK) if file.read(len(MARK)) == MARK else 0)
     headings = 0
     number = 1
@@ -120,12 +141,9 @@ def _beginning(path: Path, file: BinaryIO) -> tuple[int, bytes]:
         if not line or (words and len(numbers_in(words[0].replace(b",", b".")))):
             _check_commas(path, number, text, separator)
             file.seek(start)
-            return number, separator
+            return number, separator, headings
         headings += bool(words)
-        if headings > 1:
-            message = f"line {number} has '{shown(words[0])}' instead of a number"
-            raise damaged(path, message)
-        number += 1
+        number += line.endswith(b"\n")
 
 
 def _check_commas(path: Path, number: int, text: bytes, separator: bytes) -> None:

@@ -146,8 +146,8 @@ def test_a_text_of_points_is_read_whatever_parts_its_numbers(tmp_path, content):
         (b"1,5 2,5 3,5\n", "line 1, '1,5 2,5 3,5', has commas within its numbers"),
         (b"x;y;z\n1,5;2,5;3,5\n", "line 2, '1,5;2,5;3,5', has commas within its numbers"),
         (b"1 2 3\n1,5 2 3\n", "line 2 has '1,5' instead of a number"),
-        (b"Notes on the scan\nnone\n", "line 2 has 'none' instead of a number"),
-        (b"Notes\n", "holds no points"),
+        (b"Notes on the scan\nnone\n", "holds no points"),
+        (b"Notes on\n3 scans\n", "line 2 has 'scans' instead of a number"),
         (b"nan 1 2\n", "holds no points"),
         (b"1 2\n3 4\n", "line 1 has 2 numbers, and a point has 3"),
         (b"7\n", "line 1 has 1 numbers, and a point has 3"),
@@ -162,6 +162,14 @@ def test_texts_that_are_no_points(tmp_path, content, words):
     path.write_bytes(content)
     with pytest.raises(FileError, match=words):
         load(path)
+
+
+def test_lines_of_words_before_the_points_are_told(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_bytes(b"hermes\n\nx y z\n" + TEXT)
+    with pytest.warns(SymReconWarning, match="2 lines before line 4 hold no point and were passed"):
+        mesh_set = load(path)
+    assert mesh_set.current_mesh().vertex_matrix().tolist() == ROWS
 
 
 def test_columns_of_a_text_that_are_left_out_are_told(tmp_path):
