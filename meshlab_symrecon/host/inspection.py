@@ -12,10 +12,12 @@ from meshlab_symrecon.host.inspection_asc import notes_on_lines
 from meshlab_symrecon.host.inspection_bre import check_bre
 from meshlab_symrecon.host.inspection_dae import check_dae
 from meshlab_symrecon.host.inspection_e57 import notes_on_scans
+from meshlab_symrecon.host.inspection_fbx import check_fbx
 from meshlab_symrecon.host.inspection_gltf import check_gltf
 from meshlab_symrecon.host.inspection_lengths import check_length
 from meshlab_symrecon.host.inspection_obj import check_obj
 from meshlab_symrecon.host.inspection_off import check_off
+from meshlab_symrecon.host.inspection_pdb import notes_on_atoms
 from meshlab_symrecon.host.inspection_ply import check_ply
 from meshlab_symrecon.host.inspection_points import check_points_text
 from meshlab_symrecon.host.inspection_ptx import check_ptx
@@ -47,10 +49,13 @@ CHECKS: Mapping[str, Callable[[Path], Held]] = {
     "txt": check_txt,
 }
 
+WORDS = ("dae", "wrl", "x3d", "x3dv")  # of marks and words, with numbers among them
+
 # Checks of what a child process reads next; they return how many points are not numbers.
 NUMBERED: Mapping[str, Callable[[Path], int]] = {
     "3ds": check_3ds,
     "dae": check_dae,
+    "fbx": check_fbx,
     "glb": check_gltf,
     "gltf": check_gltf,
 }
@@ -81,13 +86,14 @@ def inspect(path: Path, extension: str) -> Held:
     if extension in CHECKS:
         return CHECKS[extension](path)
     check_length(path, extension)
-    check_numbers(path, extension)
+    if extension in WORDS:
+        check_numbers(path)
     if extension == "bre":
         held = check_bre(path)
         try_in_child(path)
         return held
     lost = NUMBERED[extension](path) if extension in NUMBERED else 0
-    notes = notes_on_lines(path, extension)
+    notes = (*notes_on_lines(path, extension), *notes_on_atoms(path, extension))
     read = try_in_child(path)
     notes += notes_on_scans(path, extension, read)
     return Held(read + lost, lost, notes=notes)

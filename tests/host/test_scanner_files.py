@@ -7,6 +7,7 @@ import json
 import os
 import struct
 import warnings
+import zlib
 from base64 import b64encode
 
 import numpy as np
@@ -17,6 +18,7 @@ from meshlab_symrecon.errors import FileError, SymReconWarning
 from meshlab_symrecon.host import point_copies
 from meshlab_symrecon.host.files import READABLE, load, new_document
 from meshlab_symrecon.host.inspection import REFUSED
+from meshlab_symrecon.host.inspection_fbx import check_fbx
 from meshlab_symrecon.host.inspection_txt import txt_rows
 
 NUMBERS = "coordinates that are not numbers; MeshLab left them out"
@@ -276,6 +278,24 @@ def test_points_of_a_breuckmann_scan_without_neighbours_are_told(tmp_path):
         load(path)
 
 
+ATOM = "ATOM      1  CA  ALA A   1       0.000   1.000  -2.000  1.00 20.00           C  \n"
+
+
+def test_atoms_of_a_molecule(tmp_path):
+    path = tmp_path / "a.pdb"
+    path.write_text("HEADER    A\n" + ATOM + "END\n\n")
+    ball = quietly(path)
+    box = ball.current_mesh().bounding_box()
+    assert np.allclose((box.min() + box.max()) / 2, [0, 1, -2], atol=0.1)
+    path.write_text(ATOM)
+    with pytest.warns(SymReconWarning, match="does not end with the word END"):
+        load(path)
+    for word in ("nan", "1e999", "x", "", "1 2"):
+        path.write_text(ATOM.replace("  -2.000", word.rjust(8)) + "END\n")
+        with pytest.raises(FileError, match="the atom in line 1 has '.*' instead of a number"):
+            load(path)
+
+
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 0, 0], [2, 1, 0]], dtype="<f4")
 FACES = [[0, 2, 1], [0, 1, 3], [0, 4, 5]]
 
@@ -316,7 +336,81 @@ def three_ds(points):
     return chunk(0x4D4D, chunk(2, b"\3\0\0\0") + chunk(0x3D3D, thing))
 
 
+def fbx(points, packed=True):
+    """Return a binary FBX file: records that name where they end."""
+
+    def record(place, name, told, inside=b"", count=1):
+        end = place + 13 + len(name) + len(told) + len(inside)
+        head = struct.pack("<III", end, count, len(told)) + bytes([len(name)])
+        return head + name + told + inside
+
+    def array(code, numbers):
+        data = zlib.compress(numbers.tobytes()) if packed else numbers.tobytes()
+        return code + struct.pack("<III", numbers.size, packed, len(data)) + data
+
+    def string(text):
+        return b"S" + struct.pack("<I", len(text)) + text
+
+    def whole(number):
+        return b"L" + struct.pack("<q", number)
+
+    def parent(place, name, told, children, count=1):
+        start = place + 13 + len(name) + len(told)
+        inside = b""
+        for child in children:
+            inside += child(start + len(inside))
+        return record(place, name, told, inside + b"\0" * 13, count)
+
+    corners = np.array([corner for a, b, c in FACES for corner in (a, b, -c - 1)], "<i4")
+    arrays = [
+        lambda at: record(at, b"Vertices", array(b"d", points.astype("<f8"))),
+        lambda at: record(at, b"PolygonVertexIndex", array(b"i", corners)),
+    ]
+    version = [lambda at: record(at, b"Version", whole(232))]
+    shape = whole(10) + string(b"thing\0\1Geometry") + string(b"Mesh")
+    model = whole(20) + string(b"thing\0\1Model") + string(b"Mesh")
+    objects = [
+        lambda at: parent(at, b"Geometry", shape, arrays, 3),
+        lambda at: parent(at, b"Model", model, version, 3),
+    ]
+    pairs = [
+        lambda at: record(at, b"C", string(b"OO") + whole(20) + whole(0), count=3),
+        lambda at: record(at, b"C", string(b"OO") + whole(10) + whole(20), count=3),
+    ]
+    content = b"Kaydara FBX Binary  \0\x1a\0" + struct.pack("<I", 7400)
+    content += parent(len(content), b"Objects", b"", objects, 0)
+    content += parent(len(content), b"Connections", b"", pairs, 0)
+    return content + b"\0" * 173
+
+
+@pytest.mark.parametrize("at", [b"\x08Verticesd", b"\x12PolygonVertexIndexi"])
+@pytest.mark.parametrize("packed", [True, False])
+def test_arrays_of_an_fbx_file_that_are_not_whole(tmp_path, at, packed):
+    """They are passed over: what is wrong with the file, the reader says."""
+    points = POINTS.copy()
+    points[4] = np.nan
+    path = tmp_path / "a.fbx"
+    content = fbx(points, packed)
+    path.write_bytes(content)
+    assert check_fbx(path) == 1
+    place = content.index(at) + len(at)
+    for end in (place + 5, place + 12, place + 20):
+        path.write_bytes(content[:end])
+        assert check_fbx(path) == 0
+    path.write_bytes(content[:place] + b"\xff\xff\xff\xff" + content[place + 4 :])
+    assert check_fbx(path) == 0
+
+
+def test_an_fbx_file_of_text_with_a_number_that_is_none(tmp_path):
+    path = tmp_path / "a.fbx"
+    path.write_text("; FBX\nVertices: *3 {\n a: 1.0,nan,2.0\n}\n")
+    with pytest.raises(FileError, match="has the coordinate nan, with which nothing"):
+        load(path)
+
+
 WRITERS = {
+    "a.fbx": (fbx, 1),
+    "plain.fbx": (lambda points: fbx(points, packed=False), 1),
     "a.gltf": (gltf, 1),
     "apart.gltf": (lambda points: gltf(points, step=20), 1),
     "twice.gltf": (lambda points: gltf(points, nodes=2), 2),
