@@ -292,7 +292,7 @@ def test_atoms_of_a_molecule(tmp_path):
         load(path)
     for word in ("nan", "1e999", "x", "", "1 2"):
         path.write_text(ATOM.replace("  -2.000", word.rjust(8)) + "END\n")
-        with pytest.raises(FileError, match="the atom in line 1 has '.*' instead of a number"):
+        with pytest.raises(FileError, match=r"the atom in line 1 has '.*' instead of a number"):
             load(path)
 
 
