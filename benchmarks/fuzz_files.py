@@ -81,7 +81,7 @@ def main() -> int:
     parser.add_argument("--keep", type=Path)
     options = parser.parse_args()
     reader = raw_reader if options.raw else whole_reader
-    import pymeshlab  # noqa: F401  before the forks
+    import meshlab_symrecon.host.files  # noqa: F401  before the forks
 
     table: dict[str, Counter[str]] = {}
     with tempfile.TemporaryDirectory() as folder:
