@@ -10,6 +10,7 @@ from meshlab_symrecon.host.held import Held
 from meshlab_symrecon.host.inspection_3ds import check_3ds
 from meshlab_symrecon.host.inspection_asc import notes_on_lines
 from meshlab_symrecon.host.inspection_bre import check_bre
+from meshlab_symrecon.host.inspection_ctm import check_ctm
 from meshlab_symrecon.host.inspection_dae import check_dae
 from meshlab_symrecon.host.inspection_e57 import notes_on_scans
 from meshlab_symrecon.host.inspection_fbx import check_fbx
@@ -54,6 +55,7 @@ WORDS = ("dae", "wrl", "x3d", "x3dv")  # of marks and words, with numbers among 
 # Checks of what a child process reads next; they return how many points are not numbers.
 NUMBERED: Mapping[str, Callable[[Path], int]] = {
     "3ds": check_3ds,
+    "ctm": check_ctm,
     "dae": check_dae,
     "fbx": check_fbx,
     "glb": check_gltf,

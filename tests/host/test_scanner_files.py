@@ -446,3 +446,25 @@ def test_points_left_out_of_an_e57_file_are_told(tmp_path):
     with pytest.warns(SymReconWarning, match="MeshLab left out 2 of 50 points: those"):
         read = load(path)
     assert read.current_mesh().vertex_number() == 48
+
+
+def test_counts_that_a_ctm_file_cannot_hold(tmp_path):
+    path = tmp_path / "a.ctm"
+    mesh_set = new_document()
+    mesh_set.create_sphere(subdiv=1)
+    mesh_set.save_current_mesh(str(path))
+    content = path.read_bytes()
+    assert quietly(path).current_mesh().vertex_number() == 42
+    for place, what in ((12, "points"), (16, "faces")):
+        number = content[place] + (1 << 24)
+        path.write_bytes(content[:place] + struct.pack("<I", number) + content[place + 4 :])
+        with pytest.raises(FileError, match=f"cannot hold the {number} {what} that it announces"):
+            load(path)
+    for place in (20, 24):
+        path.write_bytes(content[:place] + struct.pack("<I", 9) + content[place + 4 :])
+        with pytest.raises(FileError, match="it announces 9 values of a point, and 8 can be"):
+            load(path)
+    for other in (content[:27], b"X" + content[1:]):
+        path.write_bytes(other)
+        with pytest.raises(FileError, match=r"does not begin as \.ctm files do"):
+            load(path)
