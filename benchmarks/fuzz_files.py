@@ -25,7 +25,7 @@ from fuzz_writers import Good, good_files
 KINDS = ("loaded", "warned", "refused", "false refusal", "silent", "traceback", "crash", "hang",
          "memory")  # fmt: skip
 BAD = ("false refusal", "silent", "traceback", "crash", "hang", "memory")
-UNCOUNTED = ("xyz", "obj", "asc", "pts", "apts")  # a shorter one may be a whole file
+UNCOUNTED = ("xyz", "obj", "qobj", "asc", "pts", "apts", "txt")  # a shorter one may be a whole file
 SECONDS = 40.0
 
 
@@ -81,7 +81,7 @@ def main() -> int:
     parser.add_argument("--keep", type=Path)
     options = parser.parse_args()
     reader = raw_reader if options.raw else whole_reader
-    import pymeshlab  # noqa: F401  before the forks
+    import meshlab_symrecon.host.files  # noqa: F401  before the forks
 
     table: dict[str, Counter[str]] = {}
     with tempfile.TemporaryDirectory() as folder:

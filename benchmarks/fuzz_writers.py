@@ -7,38 +7,18 @@ import struct
 import tempfile
 from base64 import b64encode
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from fuzz_good import Good
+from fuzz_scanner_formats import scanner_files
+from fuzz_scene_formats import scene_files
 
 __all__ = ["Good", "good_files"]
 
 PLY_TYPES = {"f4": "float", "f8": "double", "u1": "uchar", "i4": "int", "i2": "short"}
 BY_MESHLAB = ("3ds", "3mf", "ctm", "dae", "e57", "obj", "off", "ply", "stl", "wrl", "x3d", "xyz")
-
-
-@dataclass(frozen=True, slots=True)
-class Good:
-    """A good file.
-
-    Attributes
-    ----------
-    name : str
-        Its writer, then its extension.
-    content : bytes
-    points, faces : int
-    coordinates : (n, 3) float, or None when a reader may order or merge them
-    exact : float
-        How far a coordinate may be from what was written.
-    """
-
-    name: str
-    content: bytes
-    points: int
-    faces: int
-    coordinates: np.ndarray | None
-    exact: float = 0.0
 
 
 def _shapes(generator: np.random.Generator) -> dict[str, tuple[np.ndarray, list[list[int]]]]:
@@ -56,14 +36,10 @@ def good_files(seed: int) -> Iterator[Good]:
         for good in (
             *_ply(points, faces, generator), *_obj(points, faces, generator),
             *_off(points, faces), *_stl(points, faces), *_texts(points, faces),
-            *_gltf(points, faces),
+            *_gltf(points, faces), *scanner_files(points, faces), *scene_files(points, faces),
         ):  # fmt: skip
-            yield Good(f"{shape}-{good.name}", *_rest(good))
+            yield replace(good, name=f"{shape}-{good.name}")
     yield from _by_meshlab(generator)
-
-
-def _rest(good: Good) -> tuple:
-    return good.content, good.points, good.faces, good.coordinates, good.exact
 
 
 def _cut(faces: list[list[int]]) -> int:

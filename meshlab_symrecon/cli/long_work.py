@@ -180,9 +180,10 @@ def _logged(log: WorkLog) -> Iterator[None]:
 
 
 def _last_words(error: BaseException) -> str:
-    if isinstance(error, (KeyboardInterrupt, click.Abort)):
-        from meshlab_symrecon.host.interruption import SENTENCE
+    from meshlab_symrecon.host.interruption import SENTENCE, signal_of_interruption
 
+    # Libraries turn the exception of a signal into others, by way of what they were doing.
+    if isinstance(error, (KeyboardInterrupt, click.Abort)) or signal_of_interruption():
         return SENTENCE
     if isinstance(error, click.ClickException):
         return f"error: {error.format_message()}"

@@ -16,7 +16,9 @@ from meshlab_symrecon.host.exporting import export
 from meshlab_symrecon.host.formats import contents_of, lost_in
 from meshlab_symrecon.host.held import Held, check_box
 from meshlab_symrecon.host.importing import after_loading
-from meshlab_symrecon.host.inspection import inspect
+from meshlab_symrecon.host.inspection import check_kind, inspect
+from meshlab_symrecon.host.inspection_ptx import ptx_rows
+from meshlab_symrecon.host.inspection_txt import txt_rows
 from meshlab_symrecon.host.losses import check_losses, check_points
 from meshlab_symrecon.host.material_names import with_plain_names
 from meshlab_symrecon.host.meshset import current_identifier
@@ -29,6 +31,7 @@ from meshlab_symrecon.host.paths import (
     reading,
 )
 from meshlab_symrecon.host.ply_plain import with_plain_data
+from meshlab_symrecon.host.point_copies import with_points_copied
 from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.record_text import Record, put_record
 from meshlab_symrecon.host.translation import translated
@@ -85,6 +88,8 @@ def load(path: str | Path, mesh_set: Any = None) -> Any:
         raise
     try:
         for identifier in new:
+            if readable.name != path.name:
+                mesh_set.mesh(identifier).set_label(path.name)
             after_loading(mesh_set, identifier, path)
     except OSError as error:
         message = f"{error.filename or path} cannot be read: {reason(error)}; check its path"
@@ -127,14 +132,17 @@ def _remove(mesh_set: Any, identifiers: list[int], current: int) -> None:
 def _readable(path: Path) -> AbstractContextManager[Path]:
     """Return the path, or one under which MeshLab reads all that the file holds."""
     extension = path.suffix.lower()
-    if extension == ".obj":
+    if extension in (".obj", ".qobj"):
         return with_plain_names(path)
+    if extension in (".ptx", ".txt"):
+        return with_points_copied(path, ptx_rows if extension == ".ptx" else txt_rows)
     return with_plain_data(path) if extension == ".ply" else nullcontext(path)
 
 
 def _checked_before(path: Path) -> Held:
     """Check a file before MeshLab touches it; return what it holds."""
     check_input(path)
+    check_kind(path)
     with reading(path):
         return inspect(path, checked_extension(path, READABLE, "read"))
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from meshlab_symrecon.host.held import unusable
 from meshlab_symrecon.host.ply_header import damaged
 
 __all__ = ["check_3ds"]
@@ -20,22 +21,30 @@ HEADER = struct.Struct("<HI")  # of a chunk: what it is, and its length with thi
 COUNT = 2  # bytes
 MAIN, EDITOR, OBJECT, MESH = 0x4D4D, 0x3D3D, 0x4000, 0x4100
 POINTS, FACES, MATERIAL, TEXTURE = 0x4110, 0x4120, 0x4130, 0x4140
+FLOAT = 4  # bytes
 FACE = 4  # numbers of two bytes: three corners and flags
 
 
-def check_3ds(path: Path) -> None:
+def check_3ds(path: Path) -> int:
     """Refuse numbers of vertices and faces that a mesh does not have.
+
+    Returns
+    -------
+    int
+        How many points of faces have coordinates that are not numbers: MeshLab leaves them out.
 
     Raises
     ------
     FileError
     """
+    lost = 0
     content = memoryview(path.read_bytes())
     for _, main in _chunks(content, MAIN):
         for _, editor in _chunks(main, EDITOR):
             for _, thing in _chunks(editor, OBJECT):
                 for _, mesh in _chunks(_behind_name(thing), MESH):
-                    _check_mesh(path, mesh)
+                    lost += _check_mesh(path, mesh)
+    return lost
 
 
 def _chunks(content: memoryview, *kinds: int) -> Iterator[tuple[int, memoryview]]:
@@ -54,12 +63,13 @@ def _behind_name(content: memoryview) -> memoryview:
     return content[bytes(content).find(b"\0") + 1 :]
 
 
-def _check_mesh(path: Path, mesh: memoryview) -> None:
-    """Check the faces of one mesh, whatever the order of its chunks."""
+def _check_mesh(path: Path, mesh: memoryview) -> int:
+    """Check the faces of one mesh, whatever the order of its chunks; count its unusable points."""
     parts = list(_chunks(mesh, POINTS, FACES, TEXTURE))
     counts = {kind: _count(part) for kind, part in parts}
     points, textured = counts.get(POINTS, 0), counts.get(TEXTURE, 0)
     known = min(points, textured) if textured else points
+    used: set[int] = set()
     for kind, part in parts:
         if kind != FACES:
             continue
@@ -68,11 +78,21 @@ def _check_mesh(path: Path, mesh: memoryview) -> None:
         if highest >= known:
             what = "points" if highest >= points else "texture coordinates"
             raise damaged(path, f"a face names point {highest} of a mesh with {known} {what}")
+        used.update(faces[:, :3].ravel().tolist())
         for _, group in _chunks(part[COUNT + 2 * FACE * len(faces) :], MATERIAL):
             highest = int(_numbers(_behind_name(group), 1).max(initial=-1))
             if highest >= len(faces):
                 message = f"a material names face {highest} of a mesh with {len(faces)} faces"
                 raise damaged(path, message)
+    return sum(_unusable(path, part, used) for kind, part in parts if kind == POINTS)
+
+
+def _unusable(path: Path, part: memoryview, used: set[int]) -> int:
+    """Count the points that faces use and that are not numbers."""
+    count = min(_count(part), (len(part) - COUNT) // (3 * FLOAT))
+    points = np.frombuffer(part[COUNT:], "<f4", max(0, count) * 3).reshape(-1, 3)
+    lost = np.flatnonzero(unusable(path, points))
+    return len(used.intersection(lost.tolist()))
 
 
 def _count(part: memoryview) -> int:

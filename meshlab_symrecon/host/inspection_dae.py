@@ -21,10 +21,11 @@ POINT = "VERTEX"
 COORDINATES = 3
 
 
-def check_dae(path: Path) -> None:
-    """Refuse numbers that lead out of the lists of a mesh.
+def check_dae(path: Path) -> int:
+    """Refuse numbers that lead out of the lists of a mesh; return 0.
 
-    What is no such file at all, the reader itself says.
+    What is no such file at all, the reader itself says; coordinates that are no numbers have been
+    refused before.
 
     Raises
     ------
@@ -34,9 +35,10 @@ def check_dae(path: Path) -> None:
         root = ElementTree.parse(path).getroot()  # noqa: S314  expat bounds what entities grow to
         problem = next(_problems(root), "")
     except (ElementTree.ParseError, ValueError, LookupError, OverflowError):
-        return
+        return 0
     if problem:
         raise damaged(path, problem)
+    return 0
 
 
 def _problems(root: Element) -> Iterator[str]:

@@ -15,6 +15,7 @@ from urllib.parse import unquote
 
 import numpy as np
 
+from meshlab_symrecon.host.held import unusable
 from meshlab_symrecon.host.ply_header import damaged
 
 __all__ = ["check_gltf"]
@@ -22,30 +23,58 @@ __all__ = ["check_gltf"]
 BEGINNING = 12  # bytes of a binary file before its chunks
 CHUNK = struct.Struct("<I4s")
 INDICES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
+FLOAT, ROW = 5126, 12  # the type of coordinates, and bytes of three
 BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}  # of a component
 COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 
 
-def check_gltf(path: Path) -> None:
+def check_gltf(path: Path) -> int:
     """Refuse numbers of points and bytes that a file does not have.
 
     What is no such file at all, the reader itself says.
+
+    Returns
+    -------
+    int
+        How many points have coordinates that are not numbers: MeshLab leaves them out.
 
     Raises
     ------
     FileError
     """
     try:
-        problem = next(_problems(path), "")
+        document, binary = _parts(path)
+        buffers = [_buffer(path, buffer, binary) for buffer in document["buffers"]]
+        problem = next(_problems(document, buffers), "")
+        lists = [] if problem else list(_lists(document, buffers))
     except (ValueError, LookupError, TypeError, AttributeError, OSError, RecursionError):
-        return
+        return 0
     if problem:
         raise damaged(path, problem)
+    return sum(int(unusable(path, points).sum()) for points in lists)
 
 
-def _problems(path: Path) -> Iterator[str]:
-    document, binary = _parts(path)
-    buffers = [_buffer(path, buffer, binary) for buffer in document["buffers"]]
+def _lists(document: Any, buffers: list[bytes]) -> Iterator[Any]:
+    """Yield the points of all primitives, as often as nodes name them."""
+    for node in document["nodes"]:
+        if "mesh" in node:
+            for primitive in document["meshes"][node["mesh"]]["primitives"]:
+                yield _points(document, primitive["attributes"]["POSITION"], buffers)
+
+
+def _points(document: Any, number: int, buffers: list[bytes]) -> Any:
+    """Return the points of a list; none when they are all zeros, compressed or of another type."""
+    accessor = document["accessors"][number]
+    if "bufferView" not in accessor or accessor["componentType"] != FLOAT:
+        return np.zeros((0, 3), dtype="<f4")
+    buffer, start, end = _place(document, accessor)
+    view = document["bufferViews"][accessor["bufferView"]]
+    step = int(view.get("byteStride", 0) or ROW)
+    shape, steps = (int(accessor["count"]), 3), (step, ROW // 3)
+    return np.ndarray(shape, "<f4", buffers[buffer][start:end], strides=steps)
+
+
+def _problems(document: Any, buffers: list[bytes]) -> Iterator[str]:
     accessors = document["accessors"]
     for mesh in document["meshes"]:
         for primitive in mesh["primitives"]:

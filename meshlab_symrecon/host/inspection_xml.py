@@ -10,7 +10,6 @@ from meshlab_symrecon.host.number_lines import shown
 
 __all__ = ["check_numbers"]
 
-FORMATS = ("dae", "wrl", "x3d", "x3dv")
 CHUNK = 1 << 22  # bytes
 # Among other numbers; MeshLab reads these formats in single precision.
 ABSURD = re.compile(
@@ -18,7 +17,7 @@ ABSURD = re.compile(
 )
 
 
-def check_numbers(path: Path, extension: str) -> None:
+def check_numbers(path: Path) -> None:
     """Look for numbers that are none, or too large, among the numbers of a text.
 
     Raises
@@ -26,8 +25,6 @@ def check_numbers(path: Path, extension: str) -> None:
     FileError
         There is one.
     """
-    if extension not in FORMATS:
-        return
     rest = b""
     with path.open("rb") as file:
         while chunk := file.read(CHUNK):

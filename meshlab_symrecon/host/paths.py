@@ -14,8 +14,7 @@ __all__ = ["READABLE", "check_input", "check_output", "checked_extension", "read
 
 READABLE = (
     "ply", "obj", "off", "stl", "xyz", "3ds", "3mf", "apts", "asc", "bre", "ctm", "dae", "e57",
-    "es", "fbx", "glb", "gltf", "pdb", "pts", "ptx", "qobj", "tri", "txt", "vmi", "wrl", "x3d",
-    "x3dv",
+    "fbx", "glb", "gltf", "pdb", "pts", "ptx", "qobj", "txt", "wrl", "x3d", "x3dv",
 )  # fmt: skip
 
 

@@ -26,6 +26,17 @@ class Finder:
             os.kill(os.getpid(), {number})
 sys.meta_path.insert(0, Finder())
 """
+IN_NATIVE_IMPORT = """
+import os, sys
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == {moment!r}:
+            try:
+                os.kill(os.getpid(), {number})
+            except KeyboardInterrupt:
+                raise ImportError("initialization failed")  # as native modules say it
+sys.meta_path.insert(0, Finder())
+"""
 AT_LINE = """
 import os
 from meshlab_symrecon.cli.work_log import WorkLog
@@ -132,6 +143,7 @@ WHOLE = ("-o", "old.ply", "--project", "p.mlp", "--json", "old.json")
     ("count", "after", "number", "itself"),
     [
         (SMALL, "numpy", signal.SIGINT, AT_IMPORT),
+        (SMALL, "pymeshlab", signal.SIGINT, IN_NATIVE_IMPORT),
         (BIG, "meshlab_symrecon ", signal.SIGINT, ""),
         (BIG, f"reading {BIG}.ply: ", signal.SIGINT, ""),  # native normals
         (BIG, "normals: ", signal.SIGTERM, ""),
