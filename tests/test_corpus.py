@@ -15,7 +15,8 @@ from scripts_by_hand import BY_HAND, SAME_SHAPE, WITH_PLUGINS, same_shape
 from meshlab_symrecon import load_plugins, unload_plugins
 from meshlab_symrecon.errors import ScriptError, SymReconWarning
 from meshlab_symrecon.host.document_state import DocumentState
-from meshlab_symrecon.host.mlx import Script, read_script
+from meshlab_symrecon.host.mlx import Script
+from meshlab_symrecon.host.mlx_reading import read_script
 from meshlab_symrecon.host.prediction import after
 from meshlab_symrecon.host.resolution import matched
 from meshlab_symrecon.host.script import run_script, run_steps

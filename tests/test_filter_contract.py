@@ -14,7 +14,9 @@ from scipy.spatial import cKDTree
 from meshlab_symrecon.errors import SymReconError
 from meshlab_symrecon.geometry.plane_quads import planes_as_quads, planes_of_pieces
 from meshlab_symrecon.geometry.surfaces import enclosed_volume
-from meshlab_symrecon.host.mlx import read_script, step_of, write_script
+from meshlab_symrecon.host.mlx import step_of
+from meshlab_symrecon.host.mlx_reading import read_script
+from meshlab_symrecon.host.mlx_writing import write_script
 from meshlab_symrecon.host.resolution import resolve_script
 from meshlab_symrecon.plugin import Filter, Layer, Layers, Outcome
 from meshlab_symrecon.plugin.parameters import Parameter

@@ -14,6 +14,7 @@ from packaging.version import Version
 
 import meshlab_symrecon
 from meshlab_symrecon.errors import FileError
+from meshlab_symrecon.host.versions import versions_of_results
 from meshlab_symrecon.meshlab_scripts import script_names, script_path
 from meshlab_symrecon.meshlab_scripts.__main__ import main as print_paths
 
@@ -187,6 +188,14 @@ def test_the_page_on_installing_names_the_versions():
         assert f"meshlab-symrecon[{extra}]" in INSTALL
     numbers = re.findall(r"meshlab_symrecon-([\d.]+\d)", INSTALL)
     assert set(numbers) == {meshlab_symrecon.__version__}
+
+
+def test_the_versions_that_make_a_result_are_told_in_one_place():
+    told = re.search(r"^Equal versions are those of (.*)\.$", text("docs/reproducible.md"), re.M)
+    assert told is not None
+    assert re.findall(r"`([\w-]+)`", told[1]) == list(versions_of_results())
+    assert "](reproducible.md#what-is-promised)" in INSTALL
+    assert "\n## What is promised\n" in text("docs/reproducible.md")
 
 
 def test_the_example_of_the_page_on_installing_prints_what_it_says():

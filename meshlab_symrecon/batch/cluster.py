@@ -26,6 +26,8 @@ __all__ = ["on_cluster"]
 PATIENCE = 5.0  # seconds for the scheduler to answer
 TOOK_ALL = "KilledWorker"  # dask's error for a task with which worker after worker ends
 ON_THE_WAY = ("executing", "long-running")
+FINISHED, AGAIN = "finished", ("lost", "pending")  # of dask's states of a task
+SILENCE = logging.CRITICAL + 1
 INSTALL = "run pip install 'meshlab-symrecon[distributed]'"
 
 
@@ -34,8 +36,9 @@ def on_cluster(
 ) -> Generator[ScanReport, None, None]:
     """Yield the reports of jobs as they end on the workers of a cluster.
 
-    A worker that is lost is no end of its scans: others do them again. A scan that takes one
-    worker with it after the other is reported as killed.
+    A worker that is lost is no end of its scans: the scheduler has others do them again, also one
+    that was done when its report is lost with the worker. A scan that takes one worker with it
+    after the other is reported as killed.
 
     Raises
     ------
@@ -43,47 +46,68 @@ def on_cluster(
         The extra ``distributed`` is not installed.
     HostError
         The address is empty or nothing answers there, it has no workers, they have other versions,
-        or the scheduler has given a scan up.
+        the scheduler has given a scan up, or it is gone itself.
     """
     with _connected(address) as client:
         _check_workers(client, address)
-        yield from _done(client, jobs, said)
+        yield from _done(client, address, jobs, said)
 
 
 def _done(
-    client: Any, jobs: Sequence[Job], said: Callable[[str], None]
+    client: Any, address: str, jobs: Sequence[Job], said: Callable[[str], None]
 ) -> Generator[ScanReport, None, None]:
     by_task = {client.submit(supervised_there, job, pure=False): job for job in jobs}
-    workers = set(client.ncores())
     try:
+        workers = _present(client, address)
         ended = _distributed().as_completed(by_task, loop=client.loop)
         for task in ended:
-            now = set(client.ncores())
+            now = _present(client, address)
             for worker in sorted(workers - now):
                 said(f"the worker at {worker} is gone; its scans are done again by others")
             workers = now
-            if task.status == "finished":
-                yield task.result()
-            elif task.status == "error" and type(task.exception()).__name__ == TOOK_ALL:
-                yield lost_with_workers(by_task[task], _in_words(task.exception()))
-            elif task.status == "lost":  # done, and its worker gone before it could tell
-                again = client.submit(supervised_there, by_task[task], pure=False)
-                by_task[again] = by_task[task]
-                ended.add(again)
+            report = _report(task, by_task[task])
+            if report is None:
+                ended.add(task)
             else:
-                raise _lost(by_task[task], task)
+                yield report
     finally:
-        client.cancel(list(by_task), force=True)
+        with suppress(OSError):  # without a scheduler nobody wants them any more
+            client.cancel(list(by_task), force=True)
 
 
-def _lost(job: Job, task: Any) -> HostError:
-    why = _in_words(task.exception()) if task.status == "error" else task.status
+def _present(client: Any, address: str) -> set[str]:
+    """Return the addresses of the workers."""
+    try:
+        return set(client.ncores())
+    except OSError as error:
+        message = f"the dask scheduler at {address} is gone"
+        raise HostError(f"{message}; start it again, and give the same command again") from error
+
+
+def _report(task: Any, job: Job) -> ScanReport | None:
+    """Return the report of a task; None when it is lost, and the scheduler has it done again.
+
+    It is when its worker went before it could hand the report on.
+    """
+    fetching: Exception | None = None
+    if task.status == FINISHED:
+        try:
+            report: ScanReport = task.result()
+        except Exception as error:  # noqa: BLE001  of the task, when it went wrong the second time
+            fetching = error
+        else:
+            return report
+    if task.status in AGAIN:
+        return None
+    if task.status == "error" and type(task.exception()).__name__ == TOOK_ALL:
+        return lost_with_workers(job, _in_words(task.exception()))
+    why = _in_words(task.exception() if task.status == "error" else fetching) or task.status
     message = f"{job.shown_scan}: the cluster has given it up: {why}"
-    return HostError(f"{message}; look at its workers, and give the same command again")
+    raise HostError(f"{message}; look at its workers, and give the same command again")
 
 
-def _in_words(error: BaseException) -> str:
-    return " ".join(str(error).split())
+def _in_words(error: BaseException | None) -> str:
+    return "" if error is None else " ".join(str(error).split())
 
 
 def supervised_there(job: Job) -> ScanReport:
@@ -114,23 +138,47 @@ def _distributed() -> Any:
 
 @contextmanager
 def _connected(address: str) -> Iterator[Any]:
-    distributed = _distributed()
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters we say ourselves
     if not address.strip():  # for which dask would start a cluster of its own
         message = "the address of the dask scheduler is empty"
         raise HostError(f"{message}; give the one that 'dask scheduler' tells when it starts")
+    _distributed()  # what it sets its voices to is known from here on
+    with _in_silence():
+        try:
+            client = _client()(address, timeout=PATIENCE, set_as_default=False)
+        except (OSError, ValueError, TypeError) as error:
+            message = f"no dask scheduler answers at {address}"
+            raise HostError(
+                f"{message}; start one with 'dask scheduler', and give the address that it tells"
+            ) from error
+        try:
+            yield client
+        finally:
+            with suppress(OSError):  # all reports are here
+                client.close(timeout=PATIENCE)
+
+
+def _client() -> Any:
+    """Return dask's class of clients, without its last words on one that was never connected."""
+
+    class Client(_distributed().Client):  # type: ignore[misc]
+        def __del__(self) -> None:
+            """Leave it: we close what was connected."""
+
+    return Client
+
+
+@contextmanager
+def _in_silence() -> Iterator[None]:
+    """Keep dask from logging: what matters we say ourselves."""
+    names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
+    before = {name: logging.getLogger(name).level for name in names}  # dask sets some of its own
     try:
-        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
-        message = f"no dask scheduler answers at {address}"
-        raise HostError(
-            f"{message}; start one with 'dask scheduler', and give the address that it tells"
-        ) from error
-    try:
-        yield client
+        for name in names:
+            logging.getLogger(name).setLevel(SILENCE)
+        yield
     finally:
-        with suppress(TimeoutError):  # all reports are here
-            client.close(timeout=PATIENCE)
+        for name, level in before.items():
+            logging.getLogger(name).setLevel(level)
 
 
 def _check_workers(client: Any, address: str) -> None:

@@ -11,16 +11,21 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from meshlab_symrecon.batch.claims import TAKEN
 from meshlab_symrecon.batch.reports import ScanReport
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.atomic import flush_folder, reason
 
 __all__ = ["Log", "opened_log"]
 
-BEGINNING = b'{"scan": '
+BEGINNING = b'{"scan": "'
 REQUIRED = {"scan": str, "output": str, "name": str, "status": str, "work_sha256": str}
-OPTIONAL = {"input_sha256": str, "output_sha256": str, "error": str, "limits": dict, "points": int,
-            "input_files": dict, "output_files": dict}  # fmt: skip
+OPTIONAL: dict[str, type | tuple[type, ...]] = {
+    "error": str, "input_sha256": str, "output_sha256": str, "input_files": dict,
+    "output_files": dict, "script": str, "script_sha256": str, "parameters": dict, "limits": dict,
+    "versions": dict, "measures": dict, "points": int, "steps": list, "warnings": list,
+    "again": str, "started": str, "seconds": (int, float), "peak_memory_bytes": int, "machine": str,
+}  # fmt: skip
 
 
 class Log:
@@ -73,7 +78,7 @@ def opened_log(path: Path) -> Iterator[Log]:
     Raises
     ------
     FileError
-        It cannot be opened, another process has it open, or it holds something else.
+        It cannot be opened or locked, another process has it open, or it holds something else.
     """
     new = not path.exists()
     try:
@@ -105,8 +110,11 @@ def _lock(descriptor: int, path: Path) -> None:
 
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
-        message = f"another batch is at work on the log {path}"
-        raise FileError(f"{message}; wait for it, or give other folders and logs") from error
+        if error.errno in TAKEN:
+            message = f"another batch is at work on the log {path}"
+            raise FileError(f"{message}; wait for it, or give another one with --log") from error
+        message = f"the log {path} cannot be locked: {reason(error)}"
+        raise FileError(f"{message}; give a path on another disk with --log") from error
 
 
 def _mended(descriptor: int, path: Path) -> bytes:
@@ -136,8 +144,10 @@ def _mended(descriptor: int, path: Path) -> bytes:
 
 
 def _is_log(lines: list[bytes], rest: bytes) -> bool:
-    """Say whether a line is ours; before the first is whole, half of it, or nothing at all, do."""
+    """Say whether a line is ours, maybe damaged; before the first: half of it, or nothing."""
     if any(_record(line) is not None for line in (*lines, rest)):
+        return True
+    if any(line.startswith(BEGINNING) for line in lines):  # damaged, as when a block was lost
         return True
     return not any(line.strip() for line in lines) and _is_half_ours(rest)
 
@@ -159,9 +169,12 @@ def _record(line: bytes) -> dict[str, Any] | None:
         data = json.loads(line)
     except (ValueError, RecursionError):
         return None
-    ours = isinstance(data, dict) and all(
-        isinstance(data.get(name), kind) for name, kind in REQUIRED.items()
-    ) and all(
-        isinstance(data.get(name), (kind, type(None))) for name, kind in OPTIONAL.items()
-    )  # fmt: skip
+    ours = (
+        isinstance(data, dict)
+        and all(isinstance(data.get(name), kind) for name, kind in REQUIRED.items())
+        and all(
+            data.get(name) is None or isinstance(data[name], OPTIONAL[name]) for name in OPTIONAL
+        )
+        and all(isinstance(step, dict) for step in data.get("steps") or ())
+    )
     return data if ours else None

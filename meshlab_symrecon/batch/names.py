@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import string
 import unicodedata
 from collections.abc import Iterable, Sequence
@@ -21,6 +22,7 @@ FIELDS = {
     "number": "its place in the order, from 1; {number:04} for 0001",
     "script": "the script's name without its extension",
 }
+SHORT = re.compile(r"0?[0-9]{0,2}d?")  # a width
 
 
 def named(
@@ -46,7 +48,7 @@ def named(
     _check_fields(template)
     known = tuple(writable)
     names = tuple(
-        _checked(template, _filled(template, _values(scan, number, script, known)), known)
+        _checked(template, template.format(**_values(scan, number, script, known)), known)
         for number, scan in enumerate(scans, 1)
     )
     first: dict[str, Scan] = {}
@@ -65,12 +67,17 @@ def _check_fields(template: str) -> None:
         message = f"the template '{template}' cannot be read: {error}"
         raise ParameterError(f"{message}; write fields like {{stem}}") from error
     for _, name, specification, conversion in parts:
-        if name is None:
+        if name is None or specification is None:  # words alone
             continue
         if name not in FIELDS or conversion or (specification and name != "number"):
             known = ", ".join(f"{{{field}}}" for field in FIELDS)
             message = f"the template '{template}' has an unknown field '{{{name}}}'"
             raise ParameterError(f"{message}; known are {known}, and {{number:04}}")
+        if not SHORT.fullmatch(specification):
+            message = (
+                f"the template '{template}' cannot be filled in: '{specification}' is no width"
+            )
+            raise ParameterError(f"{message} of up to 99; write {{number}} or {{number:04}}")
 
 
 def _values(scan: Scan, number: int, script: str, writable: Iterable[str]) -> dict[str, object]:
@@ -83,14 +90,6 @@ def _values(scan: Scan, number: int, script: str, writable: Iterable[str]) -> di
         "number": number,
         "script": Path(script).stem,
     }
-
-
-def _filled(template: str, values: dict[str, object]) -> str:
-    try:
-        return template.format(**values)
-    except ValueError as error:
-        message = f"the template '{template}' cannot be filled in: {error}"
-        raise ParameterError(f"{message}; write {{number}} or {{number:04}}") from error
 
 
 def _checked(template: str, name: str, writable: Iterable[str]) -> Path:

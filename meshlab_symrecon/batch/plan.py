@@ -32,12 +32,15 @@ class Plan:
     ----------
     jobs : tuple of Job
         One a scan, in order.
+    folder : Path
+        Of the results; they may be in folders in it.
     log : Path
     count : int
         How many scans are worked on at once, on this machine.
     """
 
     jobs: tuple[Job, ...]
+    folder: Path
     log: Path
     count: int
 
@@ -59,7 +62,8 @@ def planned(batch: Batch) -> Plan:
     ParameterError
         The template, the number of jobs, or the settings are wrong.
     """
-    from meshlab_symrecon.host.files import READABLE, WRITABLE
+    from meshlab_symrecon.host.formats import WRITABLE
+    from meshlab_symrecon.host.paths import READABLE
     from meshlab_symrecon.host.projects import PROJECT
     from meshlab_symrecon.host.thinning import check_most
 
@@ -82,7 +86,7 @@ def planned(batch: Batch) -> Plan:
     kept = [] if work.name == RECONSTRUCT else [_absolute(Path(batch.script))]
     _check_places(jobs, kept)
     _check_written(jobs, kept, log, None if batch.summary is None else Path(batch.summary))
-    plan = Plan(jobs, log, count)
+    plan = Plan(jobs, folder, log, count)
     for place in plan.folders:
         _make(place)
     for job in jobs:
@@ -180,9 +184,10 @@ def _check_places(jobs: Iterable[Job], others: Iterable[Path]) -> None:
     among = {os.path.dirname(path): job for path, job in scans.items()}  # noqa: PTH120
     behind = (file for job in jobs for file in job.further)
     kept = set(scans) | {os.path.realpath(path) for path in (*others, *behind)}
+    inodes = _inodes(scans)
     for job in jobs:
         target = os.path.realpath(job.output)
-        if target in kept or (os.path.lexists(target) and _same_as_any(job.output, scans)):
+        if target in kept or _inode(target) in inodes:
             message = f"{job.shown_output} would overwrite a scan or the script"
             raise FileError(f"{message}; give another folder for the results")
         neighbour = among.get(os.path.dirname(target))  # noqa: PTH120
@@ -201,28 +206,28 @@ def _check_written(
     """Refuse a log or a summary in the place of another file of the batch."""
     files = [file for job in jobs for file in (job.scan, job.output, *job.further)]
     used = {folded(os.path.realpath(file)) for file in (*files, *others)}
-    scans = [os.path.realpath(job.scan) for job in jobs]
+    inodes = _inodes(job.scan for job in jobs)
     for what, path in (("log", log), ("summary", summary)):
         if path is None:
             continue
         place = folded(os.path.realpath(path))
-        if place in used or (path.exists() and _same_as_any(path, scans)):
+        if place in used or _inode(path) in inodes:
             message = f"the {what} {path} would overwrite a file of the batch"
             raise FileError(f"{message}; give another path")
         used.add(place)
 
 
-def _same_as_any(path: Path, scans: Iterable[str]) -> bool:
-    status = path.stat()
-    inode = (status.st_dev, status.st_ino)
-    for scan in scans:
-        try:
-            other = os.stat(scan)  # noqa: PTH116  a text already
-        except OSError:
-            continue
-        if inode == (other.st_dev, other.st_ino):
-            return True
-    return False
+def _inodes(files: Iterable[str | Path]) -> set[tuple[int, int]]:
+    """Return what hard links to these files have in common with them."""
+    return {inode for file in files if (inode := _inode(file)) is not None}
+
+
+def _inode(file: str | Path) -> tuple[int, int] | None:
+    try:
+        status = os.stat(file)  # noqa: PTH116  a text, mostly
+    except (OSError, ValueError):
+        return None
+    return status.st_dev, status.st_ino
 
 
 def _make(folder: Path) -> None:

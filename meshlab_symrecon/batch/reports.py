@@ -106,7 +106,8 @@ class ScanReport:
     def from_data(cls, data: Mapping[str, Any]) -> ScanReport:
         """Return the report that a line of a log holds; what is not known is passed over."""
         names = {known.name for known in fields(cls)} - set(NOT_LOGGED)
-        return cls(**{key: value for key, value in data.items() if key in names}, resumed=True)
+        known = {key: value for key, value in data.items() if key in names and value is not None}
+        return cls(**known, resumed=True)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -90,7 +91,8 @@ class Batch:
     Raises
     ------
     ParameterError
-        The inputs are one text instead of a sequence, or jobs is no whole number above zero.
+        The inputs are one text instead of a sequence, the folder is an empty text, or jobs is no
+        whole number above zero.
     """
 
     script: str | PathLike[str]
@@ -113,6 +115,8 @@ class Batch:
         if isinstance(self.inputs, (str, bytes, PathLike)):
             message = f"inputs is a sequence of files, folders and patterns; got {self.inputs!r}"
             raise ParameterError(f"{message}; write it in brackets")
+        if not os.fspath(self.folder):  # to a path it would be the folder that we are in
+            raise ParameterError("the folder of the results has no name; give '.' for this one")
         if self.jobs is not None and not (_is_a(self.jobs, int) and self.jobs > 0):
             message = f"jobs is a whole number above zero; got {self.jobs!r}"
             raise ParameterError(f"{message}; leave it out for as many as there are cores")

@@ -7,6 +7,7 @@ from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 
+from meshlab_symrecon.batch.claims import claimed
 from meshlab_symrecon.batch.listener import Listener
 from meshlab_symrecon.batch.log import Log, opened_log
 from meshlab_symrecon.batch.plan import Plan, planned
@@ -47,8 +48,8 @@ def run_batch(batch: Batch, listener: Listener | None = None) -> BatchReport:
     Raises
     ------
     FileError, ScriptError, ParameterError
-        What is wrong with the whole batch, before any work; or the log cannot be written. What is
-        wrong with one scan is in its report.
+        What is wrong with the whole batch, before any work; another batch makes the same results;
+        or the log cannot be written. What is wrong with one scan is in its report.
     HostError
         Workers are ended again and again, or a cluster does not answer.
     BatchInterruptedError
@@ -57,7 +58,8 @@ def run_batch(batch: Batch, listener: Listener | None = None) -> BatchReport:
     listener = listener or Listener()
     started = time.monotonic()
     plan = planned(batch)
-    with opened_log(plan.log) as log:
+    results = {job.name: job.shown_output for job in plan.jobs}
+    with opened_log(plan.log) as log, claimed(plan.folder, results, listener.said):
         done: dict[str, ScanReport] = {}
         try:
             _go_on(batch, plan, log, done, listener)

@@ -29,20 +29,12 @@ from meshlab_symrecon.batch.reports import (
 from meshlab_symrecon.batch.request import in_bytes
 from meshlab_symrecon.batch.work import Job, do_job
 from meshlab_symrecon.errors import HostError
-from meshlab_symrecon.host.isolation import (
-    ABANDONED,
-    Bounds,
-    Ending,
-    crash_in_words,
-    run_child,
-)
+from meshlab_symrecon.host.child_watch import ABANDONED, Bounds
+from meshlab_symrecon.host.isolation import Ending, crash_in_words, run_child
+from meshlab_symrecon.host.thread_variables import VARIABLES
 
 __all__ = ["lost_with_workers", "supervised", "supervised_for"]
 
-OF_THREADS = (
-    "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS", "NUMEXPR_NUM_THREADS",
-)  # fmt: skip
 FROM_OUTSIDE = ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")
 NO_MEMORY = ("bad_alloc", "MemoryError", "Cannot allocate memory")  # last words of a process
 LOOK = 0.2  # seconds between two looks at the coordinator
@@ -148,7 +140,7 @@ def limits_as_data(job: Job) -> dict[str, Any]:
 
 
 def _environment(threads: int | None) -> dict[str, str]:
-    return {} if threads is None else dict.fromkeys(OF_THREADS, str(threads))
+    return {} if threads is None else dict.fromkeys(VARIABLES, str(threads))
 
 
 def _fields(job: Job, ending: Ending) -> dict[str, Any]:
@@ -204,5 +196,7 @@ def _while(ending: Ending) -> str:
 
 def _named_shortly(job: Job, sentence: str) -> str:
     """Return a sentence in which files are called as the user called them."""
-    named = sentence.replace(str(job.output), job.shown_output)
-    return named.replace(str(job.scan), job.shown_scan)
+    for path, shown in ((str(job.output), job.shown_output), (str(job.scan), job.shown_scan)):
+        for spelling in (path, path.encode("utf-8", "replace").decode()):  # not in UTF-8: with ?
+            sentence = sentence.replace(spelling, shown)
+    return sentence

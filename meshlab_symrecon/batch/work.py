@@ -120,16 +120,14 @@ def do_job(job: Job, *, progress: Progress) -> dict[str, Any]:
 
 def _worked(job: Job, found: dict[str, Any], progress: Progress) -> Any:
     """Return the document after the work; note what was found and measured."""
-    from meshlab_symrecon.host.measures import plain
+    from meshlab_symrecon.host.measures import findings, plain
+    from meshlab_symrecon.host.paths import check_input
     from meshlab_symrecon.host.reconstruction import parameters_as_run, whole_method
 
-    if job.scan.exists() and not job.scan.is_file():  # whoever reads a pipe may wait for ever
-        message = f"{job.scan} cannot be read: it is not an ordinary file"
-        raise FileError(f"{message}; give a mesh file")
-    for path, shown in ((job.scan, job.shown_scan), (job.output, job.shown_output)):
-        if not _is_text(path):
-            message = f"{shown}: this name, or that of a folder above, is not in UTF-8"
-            raise FileError(f"{message}, which MeshLab needs; rename it")
+    check_input(job.scan)
+    if not _is_text(job.output):
+        message = f"{job.shown_output} cannot be written: this name, or that of a folder above"
+        raise FileError(f"{message}, is not in UTF-8, which MeshLab needs; give another name")
     found["parameters"] = {"max_points": job.limits.points}
     if job.work.script:
         found["parameters"] |= {"strict": job.work.strict, "lenient": job.work.lenient}
@@ -141,7 +139,7 @@ def _worked(job: Job, found: dict[str, Any], progress: Progress) -> Any:
     found["parameters"] |= plain(parameters_as_run(settings))
     result = whole_method(job.scan, settings, progress, limits.points, job.memory)
     found["points"] = result.measured
-    found["measures"] = _of_method(result)
+    found["measures"] = findings(result)
     return result.mesh_set
 
 
@@ -179,15 +177,17 @@ def _save(mesh_set: Any, job: Job) -> None:
     from meshlab_symrecon.host.files import save_current
     from meshlab_symrecon.host.projects import PROJECT, files_of, save_project
     from meshlab_symrecon.host.records import record_of
+    from meshlab_symrecon.host.textures import images_named_by_contents
 
     most = job.limits.points
     own = {} if most is None else {"max_points": most}  # the others are parameters of the steps
     record = record_of(mesh_set, files_of(job.scan), own)
     try:
-        if job.output.suffix.lower() == f".{PROJECT}":
-            save_project(mesh_set, job.output, files_of(job.scan), record=record)
-        else:
-            save_current(mesh_set, job.output, record)
+        with images_named_by_contents():  # other jobs write into the same folder meanwhile
+            if job.output.suffix.lower() == f".{PROJECT}":
+                save_project(mesh_set, job.output, files_of(job.scan), record=record)
+            else:
+                save_current(mesh_set, job.output, record)
     except FileError as error:
         raise _NotWrittenError(str(error)) from error
 
@@ -235,17 +235,3 @@ def _of_steps(steps: Any) -> dict[str, Any]:
         if is_detection(step.measures):
             found |= detection(step.measures)
     return found
-
-
-def _of_method(result: Any) -> dict[str, Any]:
-    """Return what ``symrecon reconstruct --json`` tells of its findings."""
-    from meshlab_symrecon.host.measures import detection, plain
-
-    completed = plain(result.completed)
-    return {
-        **detection(result.found),
-        "measured": completed.pop("measured"),
-        "mirrored": completed.pop("mirrored"),
-        "completion": completed,
-        "surface": plain(result.surface),
-    }

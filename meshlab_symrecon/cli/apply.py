@@ -151,8 +151,9 @@ class Files:
 def _run(item: Any, files: Files, values: Mapping[str, Any], work: LongWork) -> None:
     from meshlab_symrecon.cli import reports
     from meshlab_symrecon.host.atomic import together
-    from meshlab_symrecon.host.files import check_input, load, new_document, save_current
+    from meshlab_symrecon.host.files import load, new_document, save_current
     from meshlab_symrecon.host.interruption import telling
+    from meshlab_symrecon.host.paths import check_input
     from meshlab_symrecon.host.records import record_of
     from meshlab_symrecon.host.registration import apply_filter
     from meshlab_symrecon.host.size import check_memory
@@ -197,7 +198,7 @@ def _settings(files: Files) -> dict[str, int]:
 
 def _check_files(files: Files) -> None:
     """Refuse every bad output path before the work starts."""
-    from meshlab_symrecon.host.files import check_output
+    from meshlab_symrecon.host.paths import check_output
     from meshlab_symrecon.host.thinning import check_most
 
     if files.most is not None:

@@ -29,7 +29,7 @@ SEED_LIMIT = 2**31 - 1
 @click.argument("script", metavar="SCRIPT.mlx")
 @click.argument("inputs", nargs=-1, required=True, metavar="IN...")
 @click.option(
-    "-d", "--directory", "folder", type=click.Path(path_type=Path), required=True,
+    "-d", "--directory", "folder", type=click.Path(), required=True,
     metavar="OUTDIR", help="Folder of the results; it is made when it is missing.",
 )  # fmt: skip
 @click.option(
@@ -179,7 +179,10 @@ def _limits(
         size = None if memory is None else bytes_of(memory)
     except ParameterError as error:
         raise click.BadParameter(str(error), param_hint="'--memory-limit'") from error
-    return Limits(seconds, size, points, threads)
+    try:
+        return Limits(seconds, size, points, threads)
+    except ParameterError as error:  # the others are checked: it is no number, or infinite
+        raise click.BadParameter(str(error), param_hint="'--time-limit'") from error
 
 
 def _failures(report: BatchReport) -> str:

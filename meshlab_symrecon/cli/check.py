@@ -39,8 +39,8 @@ def check(
     from meshlab_symrecon.cli.reports import write_json
     from meshlab_symrecon.errors import ScriptError
     from meshlab_symrecon.host.checking import check_script
-    from meshlab_symrecon.host.files import check_output
-    from meshlab_symrecon.host.mlx import read_script
+    from meshlab_symrecon.host.mlx_reading import read_script
+    from meshlab_symrecon.host.paths import check_output
     from meshlab_symrecon.host.projects import files_of
 
     if strict and lenient:

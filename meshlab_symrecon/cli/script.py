@@ -52,7 +52,7 @@ def run(
     """
     from meshlab_symrecon.cli.reports import plain, write_json
     from meshlab_symrecon.host.file_job import Manner, run_on_files
-    from meshlab_symrecon.host.files import check_output
+    from meshlab_symrecon.host.paths import check_output
     from meshlab_symrecon.host.projects import files_of
 
     if how["strict"] and how["lenient"]:

@@ -98,7 +98,7 @@ def check_on_document(job: Job, checked: Checked, mesh_set: Any) -> tuple[Any, .
 
 def _check_scripts(job: Job, problems: _Problems) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     from meshlab_symrecon.host.findings import check_findings
-    from meshlab_symrecon.host.mlx import read_script
+    from meshlab_symrecon.host.mlx_reading import read_script
     from meshlab_symrecon.host.resolution import matched
 
     scripts: list[Any] = []
@@ -130,7 +130,7 @@ def _check_inputs(job: Job, problems: _Problems) -> dict[Path, Any]:
 
 
 def _check_mesh(path: Path) -> None:
-    from meshlab_symrecon.host.files import READABLE
+    from meshlab_symrecon.host.paths import READABLE
 
     extension = path.suffix.removeprefix(".").lower()
     if not path.is_file():
@@ -142,8 +142,8 @@ def _check_mesh(path: Path) -> None:
 
 def _check_targets(job: Job, problems: _Problems) -> None:
     """Check what will be written: meshes may take the place of inputs, nothing else may."""
-    from meshlab_symrecon.host.files import check_output
     from meshlab_symrecon.host.mask import SAVED
+    from meshlab_symrecon.host.paths import check_output
 
     kept = [*job.scripts, *(load.path for load in job.loads if load.project)]
     meshes = [load.path for load in job.loads if not load.project]

@@ -18,24 +18,31 @@ OF_SIGNALS = 128
 
 def symrecon() -> None:
     """Run ``symrecon``."""
-    _end_at_interrupt()
-    from meshlab_symrecon.cli.main import main
-
-    try:
-        main()
-    finally:
-        _let_end()
+    _run("meshlab_symrecon.cli.main")
 
 
 def server() -> None:
     """Run ``symrecon-server``."""
-    _end_at_interrupt()
-    from meshlab_symrecon.cli.server import main
+    _run("meshlab_symrecon.cli.server")
 
+
+def _run(program: str) -> None:
+    """Load a program and run its ``main``; Ctrl-C is seen to before, and when it is done."""
+    _end_at_interrupt()
+    _write_names_in_utf_8()
+    from importlib import import_module
+
+    main = import_module(program).main
     try:
         main()
     finally:
         _let_end()
+
+
+def _write_names_in_utf_8() -> None:
+    """Let MeshLab and child processes name files as Python does, also where LC_ALL is C."""
+    if os.environ.get("LC_ALL") in ("C", "POSIX"):
+        os.environ["LC_ALL"] = "C.UTF-8"
 
 
 def _end_at_interrupt() -> None:

@@ -7,17 +7,11 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 
+from meshlab_symrecon.host.thread_variables import VARIABLES
+
 __all__ = ["asked_threads", "limited_threads"]
 
 OPTION = "--threads"
-VARIABLES = (
-    "OMP_NUM_THREADS",  # MeshLab, scikit-learn
-    "OPENBLAS_NUM_THREADS",  # numpy, scipy
-    "MKL_NUM_THREADS",
-    "BLIS_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-    "NUMEXPR_NUM_THREADS",
-)
 
 
 @contextmanager

@@ -37,7 +37,7 @@ def upgrade(
     The new script does the same as the old one. It is written to NEW, or to the standard output.
     """
     from meshlab_symrecon.host.findings import check_findings
-    from meshlab_symrecon.host.mlx import read_script
+    from meshlab_symrecon.host.mlx_reading import read_script
     from meshlab_symrecon.host.native_only import for_the_window, without_plugins
     from meshlab_symrecon.host.resolution import matched
     from meshlab_symrecon.host.upgrade import checked
@@ -64,7 +64,7 @@ def upgrade(
 
 
 def _check_new(old: Path, new: Path | None) -> None:
-    from meshlab_symrecon.host.files import check_output
+    from meshlab_symrecon.host.paths import check_output
 
     if new is not None:
         check_output(new, [old], ())
@@ -72,7 +72,7 @@ def _check_new(old: Path, new: Path | None) -> None:
 
 def _content(script: Any, matching: Any, explain: bool, to_python: bool) -> bytes:
     from meshlab_symrecon.host.explanation import explained
-    from meshlab_symrecon.host.mlx import script_text
+    from meshlab_symrecon.host.mlx_writing import script_text
     from meshlab_symrecon.host.python_script import python_script
     from meshlab_symrecon.host.upgrade import upgraded
 

@@ -48,8 +48,9 @@ def announced_points(path: str | Path) -> Announced | None:
     Returns
     -------
     Announced or None
-        None for a format that does not tell, and for a file that is damaged, has not the bytes
-        for what it announces, or cannot be read: what is wrong with it, the reader says.
+        None for a format that does not tell, for what is no ordinary file, and for a file that is
+        damaged, has not the bytes for what it announces, or cannot be read: what is wrong with it,
+        the reader says.
     """
     path = Path(path)
     extension = path.suffix.removeprefix(".").lower()
@@ -57,7 +58,7 @@ def announced_points(path: str | Path) -> Announced | None:
     if count is None:
         return None
     try:
-        return count(path)
+        return count(path) if path.is_file() else None  # a pipe would have us wait for ever
     except (FileError, OSError, ValueError, LookupError, TypeError, RecursionError):
         return None
 

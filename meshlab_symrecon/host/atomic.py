@@ -34,9 +34,10 @@ STAGING_PREFIX = ".symrecon-"
 PROCESSES = Path("/proc/self/ns/pid")  # a container has its own, and counts its processes anew
 
 
-def reason(error: OSError) -> str:
-    """Return the operating system's own words for what went wrong."""
-    return error.strerror or str(error) or type(error).__name__
+def reason(error: OSError | ValueError) -> str:
+    """Return what went wrong, in the operating system's own words where it has some."""
+    said = error.strerror if isinstance(error, OSError) else ""
+    return said or str(error) or type(error).__name__
 
 
 def same_file(first: Path, second: Path) -> bool:
@@ -59,8 +60,8 @@ def check_target(path: Path) -> Path:
         target = Path(os.path.realpath(path))
         exists, regular, directory = target.exists(), target.is_file(), target.parent.is_dir()
     except (OSError, ValueError) as error:
-        words = reason(error) if isinstance(error, OSError) else str(error)
-        raise FileError(f"{path} cannot be written: {words}; give another path") from error
+        message = f"{path} cannot be written: {reason(error)}; give another path"
+        raise FileError(message) from error
     if not directory:
         message = f"{path} cannot be written: no directory is at {target.parent}; make it first"
         raise FileError(message)

@@ -11,19 +11,18 @@ from dataclasses import replace
 from pathlib import Path
 
 from meshlab_symrecon.errors import SymReconError
+from meshlab_symrecon.host.cloud_cleaning import empties_clouds
 from meshlab_symrecon.host.document_state import DocumentState, LayerState
 from meshlab_symrecon.host.expectations import OF_NAMED_LAYERS, Need, expectation
 from meshlab_symrecon.host.findings import ERROR, REMARK, SKIP, Finding
 from meshlab_symrecon.host.guards import (
     EMPTY_CLOUDS_TOO,
-    NEED_TWO_LAYERS,
     POISSON,
-    WANT_CURRENT,
     WANT_POINTS,
     WORK_ON_EDGES,
     check_sound,
-    empties_clouds,
 )
+from meshlab_symrecon.host.layer_guards import NEED_TWO_LAYERS, WANT_CURRENT
 from meshlab_symrecon.host.mlx import Script
 from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.prediction import after

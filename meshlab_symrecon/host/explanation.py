@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pymeshlab
 
+from meshlab_symrecon.host.cloud_cleaning import EMPTY_CLOUDS
 from meshlab_symrecon.host.constant_defaults import constant_defaults
 from meshlab_symrecon.host.filter_words import sentence_of
 from meshlab_symrecon.host.findings import ERROR, Finding
-from meshlab_symrecon.host.guards import EMPTY_CLOUDS
 from meshlab_symrecon.host.mlx import Param, Script, Step
 from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.native_values import NativeParameter

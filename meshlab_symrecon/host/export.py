@@ -9,15 +9,15 @@ from typing import Any
 from meshlab_symrecon.errors import FileError, HostError
 from meshlab_symrecon.host.atomic import replacing
 from meshlab_symrecon.host.files import write_layer
-from meshlab_symrecon.host.formats import FACES_ONLY, POINTS_ONLY, WRITABLE, check_points
+from meshlab_symrecon.host.formats import WRITABLE
 from meshlab_symrecon.host.image_names import rename_images
+from meshlab_symrecon.host.losses import check_losses, check_points
 from meshlab_symrecon.host.mask import TEXT, held_flags, save_options
 from meshlab_symrecon.host.meshset import current_identifier
-from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.textures import place_textures
 from meshlab_symrecon.host.translation import translated
-from meshlab_symrecon.host.whole import check_whole, points_in_faces
+from meshlab_symrecon.host.whole import check_whole
 
 __all__ = ["export_layer", "write_all", "write_staged"]
 
@@ -72,7 +72,8 @@ def write_staged(
     """
     extension = path.suffix.removeprefix(".").lower()
     mesh = mesh_set.mesh(identifier)
-    _check_losses(mesh, path, extension)
+    check_points(mesh, path, extension)
+    check_losses(mesh, path, extension)
     before = current_identifier(mesh_set)
     try:
         with translated(f"{path} cannot be written"), process_kept():
@@ -115,19 +116,3 @@ def write_all(mesh_set: Any, identifier: int, path: Path, staged: Path, text: bo
     held = held_flags(extension, mesh_set.mesh(identifier))
     flags = held | {TEXT} if text else held
     write_staged(mesh_set, identifier, path, staged, save_options(extension, flags))
-
-
-def _check_losses(mesh: Any, path: Path, extension: str) -> None:
-    points, faces = mesh.vertex_number(), mesh.face_number()
-    check_points(mesh, path, extension)
-    if extension in POINTS_ONLY and faces:
-        words = f"{path}: .{extension} holds points only, so {faces} faces were left out"
-        warn_user(f"{words}; write .ply to keep them")
-    if extension not in FACES_ONLY or points == 0:
-        return
-    lost = points - points_in_faces(mesh)
-    words = f"{path}: .{extension} holds faces only, and {lost} points belong to no face"
-    if faces == 0:
-        raise FileError(f"{words}; write .ply instead")
-    if lost:
-        warn_user(f"{words}, so they were left out; write .ply to keep them")

@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.errors import FileError
-from meshlab_symrecon.host.files import WRITABLE, check_output, new_document, save_current
+from meshlab_symrecon.host.files import new_document, save_current
+from meshlab_symrecon.host.formats import WRITABLE
 from meshlab_symrecon.host.isolation import isolated
 from meshlab_symrecon.host.mlx import Script
+from meshlab_symrecon.host.paths import check_output
 from meshlab_symrecon.host.projects import PROJECT, files_of, load_input, save_project
 from meshlab_symrecon.host.records import record_of
 from meshlab_symrecon.host.script import StepReport, checked_script, run_steps

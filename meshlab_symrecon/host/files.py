@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
@@ -11,46 +10,31 @@ import numpy as np
 import pymeshlab
 
 from meshlab_symrecon.errors import FileError, HostError
-from meshlab_symrecon.host.atomic import check_target, reason, replacing, same_file
+from meshlab_symrecon.host.atomic import reason, replacing
 from meshlab_symrecon.host.copies import changed_copy, needs_wedges
 from meshlab_symrecon.host.exporting import export
-from meshlab_symrecon.host.formats import (
-    FACES_ONLY,
-    POINTS_ONLY,
-    WRITABLE,
-    Contents,
-    check_points,
-    contents_of,
-    lost_in,
-)
+from meshlab_symrecon.host.formats import contents_of, lost_in
 from meshlab_symrecon.host.held import Held, check_box
 from meshlab_symrecon.host.importing import after_loading
 from meshlab_symrecon.host.inspection import inspect
+from meshlab_symrecon.host.losses import check_losses, check_points
 from meshlab_symrecon.host.material_names import with_plain_names
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.paths import (
+    READABLE,
+    check_input,
+    check_output,
+    checked_extension,
+    reading,
+)
 from meshlab_symrecon.host.ply_plain import with_plain_data
 from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.record_text import Record, put_record
 from meshlab_symrecon.host.translation import translated
-from meshlab_symrecon.host.whole import check_whole, points_in_faces
+from meshlab_symrecon.host.whole import check_whole
 
-__all__ = [
-    "READABLE",
-    "WRITABLE",
-    "check_input",
-    "check_output",
-    "load",
-    "new_document",
-    "save_current",
-    "write_layer",
-]
-
-READABLE = (
-    "ply", "obj", "off", "stl", "xyz", "3ds", "3mf", "apts", "asc", "bre", "ctm", "dae", "e57",
-    "es", "fbx", "glb", "gltf", "pdb", "pts", "ptx", "qobj", "tri", "txt", "vmi", "wrl", "x3d",
-    "x3dv",
-)  # fmt: skip
+__all__ = ["load", "new_document", "save_current", "write_layer"]
 
 
 def new_document() -> Any:
@@ -150,88 +134,9 @@ def _readable(path: Path) -> AbstractContextManager[Path]:
 
 def _checked_before(path: Path) -> Held:
     """Check a file before MeshLab touches it; return what it holds."""
-    try:
-        check_input(path)
-        return inspect(path, _extension(path, READABLE, "read"))
-    except FileError:
-        raise
-    except (OSError, ValueError) as error:
-        words = reason(error) if isinstance(error, OSError) else str(error)
-        raise FileError(f"{path} cannot be read: {words}; check its path") from error
-
-
-def check_input(path: str | Path) -> None:
-    """Refuse what is no file with something in it, before any other look at it.
-
-    Whoever opens a pipe may wait for ever.
-
-    Raises
-    ------
-    FileError
-        No such file, not an ordinary one, empty, or the system refused.
-    """
-    path = Path(path)
-    try:
-        _check_ordinary(path)
-    except FileError:
-        raise
-    except (OSError, ValueError) as error:
-        words = reason(error) if isinstance(error, OSError) else str(error)
-        raise FileError(f"{path} cannot be read: {words}; check its path") from error
-
-
-def _check_ordinary(path: Path) -> None:
-    if not path.exists():
-        raise FileError(f"{path} cannot be read: no such file; check its path")
-    try:
-        str(path).encode()
-    except UnicodeEncodeError as error:
-        shown = str(path).encode("utf-8", "replace").decode()
-        message = f"{shown} cannot be read: its name is not UTF-8, and MeshLab takes no other"
-        raise FileError(f"{message}; rename it") from error
-    if not path.is_file():
-        raise FileError(f"{path} cannot be read: it is not an ordinary file; give a mesh file")
-    with path.open("rb") as file:
-        if not file.read(1):
-            raise FileError(f"{path} is empty; write or download it again")
-
-
-def _extension(path: Path, known: Iterable[str], verb: str) -> str:
-    extension = path.suffix.removeprefix(".").lower()
-    if extension not in known:
-        shown = f"the extension '.{extension}'" if extension else "no extension"
-        message = f"{path} has {shown}, which cannot be {verb}; known are {', '.join(known)}"
-        raise FileError(message)
-    return extension
-
-
-def check_output(
-    path: str | Path, inputs: Iterable[str | Path] = (), known: Iterable[str] = tuple(WRITABLE)
-) -> None:
-    """Refuse an output path before any work is done.
-
-    Parameters
-    ----------
-    path : str or Path
-    inputs : iterable of str or Path
-        Files that must stay as they are.
-    known : iterable of str
-        Extensions that can be written; empty for any.
-
-    Raises
-    ------
-    FileError
-        Unknown extension, no such directory, not an ordinary file, or one of the inputs.
-    """
-    path = Path(path)
-    known = tuple(known)
-    if known:
-        _extension(path, known, "written")
-    check_target(path)
-    for other in inputs:
-        if same_file(path, Path(other)):
-            message = f"{path} would overwrite {other}, which is in use here; give another path"
-            raise FileError(message)
+    check_input(path)
+    with reading(path):
+        return inspect(path, checked_extension(path, READABLE, "read"))
 
 
 def save_current(mesh_set: Any, path: str | Path, record: Record | None = None) -> None:
@@ -306,7 +211,11 @@ def write_layer(
     in_place = np.array_equal(mesh.transform_matrix(), np.eye(4)) or not world
     try:
         contents = contents_of(mesh_set, identifier)
-        _check_losses(mesh, contents, path, extension)
+        check_losses(mesh, path, extension)
+        lost = lost_in(contents, extension)
+        if lost:
+            told = ", ".join(lost)
+            warn_user(f"{path}: .{extension} cannot keep {told}; write .ply to keep all")
         if not in_place or needs_wedges(contents, extension):
             source, number = changed_copy(mesh_set, identifier, world, extension)
             contents = contents_of(source, number)
@@ -318,18 +227,3 @@ def write_layer(
     if record is not None and extension == "ply":
         put_record(staged, record)
     check_whole(mesh, path, staged)
-
-
-def _check_losses(mesh: Any, contents: Contents, path: Path, extension: str) -> None:
-    if extension in POINTS_ONLY and contents.faces:
-        words = f"{path}: .{extension} holds points only, so {contents.faces} faces were left out"
-        warn_user(f"{words}; write .ply to keep them")
-    loose = contents.points - points_in_faces(mesh) if extension in FACES_ONLY else 0
-    if loose:
-        words = f"{path}: .{extension} holds faces only, and {loose} points belong to no face"
-        if contents.faces == 0:
-            raise FileError(f"{words}; write .ply instead")
-        warn_user(f"{words}, so they were left out; write .ply to keep them")
-    lost = lost_in(contents, extension)
-    if lost:
-        warn_user(f"{path}: .{extension} cannot keep {', '.join(lost)}; write .ply to keep all")

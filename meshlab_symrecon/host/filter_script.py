@@ -13,7 +13,9 @@ from meshlab_symrecon.host.comment_places import Comments, with_step_at, without
 from meshlab_symrecon.host.document_state import DocumentState
 from meshlab_symrecon.host.explanation import explained
 from meshlab_symrecon.host.findings import Finding
-from meshlab_symrecon.host.mlx import Script, Step, read_script, write_script
+from meshlab_symrecon.host.mlx import Script, Step
+from meshlab_symrecon.host.mlx_reading import read_script
+from meshlab_symrecon.host.mlx_writing import write_script
 from meshlab_symrecon.host.native_only import checked_for_the_window
 from meshlab_symrecon.host.python_script import python_script
 from meshlab_symrecon.host.resolution import Matching, find_any, matched

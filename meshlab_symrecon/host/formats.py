@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from meshlab_symrecon.arrays import Floats
-from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.attributes import Attribute, attributes_of
 from meshlab_symrecon.host.polygons import Polygons, polygons_of
 from meshlab_symrecon.host.sources import source_of
@@ -22,7 +20,6 @@ __all__ = [
     "TEXTURED",
     "WRITABLE",
     "Contents",
-    "check_points",
     "contents_of",
     "lost_in",
     "options_for",
@@ -109,18 +106,6 @@ class Contents:
     polygons: Polygons
     fine: bool
     around_zero: bool
-
-
-def check_points(mesh: Any, path: Path, extension: str) -> None:
-    """Refuse a layer without points where the format cannot hold that.
-
-    Raises
-    ------
-    FileError
-    """
-    if mesh.vertex_number() == 0 and extension in NEEDS_POINTS:
-        message = f"{path}: layer '{mesh.label()}' has no points, which .{extension} cannot hold"
-        raise FileError(f"{message}; look at what the steps before it deleted")
 
 
 def contents_of(mesh_set: Any, identifier: int) -> Contents:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshlab_symrecon.errors import GeometryError, HostError, ParameterError
+from meshlab_symrecon.errors import GeometryError, HostError
+from meshlab_symrecon.host.layer_guards import check_distinct, check_layers, layers_used
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.shape_guards import FATAL_WITH_NAN, check_shape
 from meshlab_symrecon.host.value_limits import check_limits
@@ -15,36 +16,8 @@ from meshlab_symrecon.host.value_limits import check_limits
 if TYPE_CHECKING:
     from meshlab_symrecon.host.native_filters import NativeFilter
 
-__all__ = [
-    "check_display",
-    "check_distinct",
-    "check_document",
-    "check_faces",
-    "check_finite",
-    "check_layers",
-    "check_normals",
-    "check_sound",
-    "check_step",
-    "check_vertices",
-    "empties_clouds",
-    "reason_to_skip",
-]
+__all__ = ["check_display", "check_sound", "check_step"]
 
-# Filters that crash or fail when two of their layers are one, and the parameters that name them.
-NEED_TWO_LAYERS = {
-    "apply_coord_craters_from_point_cloud": ("target_mesh", "samples_mesh"),
-    "compute_matrix_by_icp_between_meshes": ("referencemesh", "sourcemesh"),
-    "compute_mls_projection_apss": ("controlmesh", "proxymesh"),
-    "compute_mls_projection_rimls": ("controlmesh", "proxymesh"),
-    "compute_scalar_by_distance_from_another_mesh_per_vertex": ("measuremesh", "refmesh"),
-    "get_hausdorff_distance": ("sampledmesh", "targetmesh"),
-    "transfer_attributes_per_vertex": ("sourcemesh", "targetmesh"),
-}
-# Filters that crash unless the layer that this parameter names is the current one.
-WANT_CURRENT = {
-    "compute_mls_projection_apss": "controlmesh",
-    "compute_mls_projection_rimls": "controlmesh",
-}
 # Filters that crash when the layer that this parameter names has no points; the current may have
 # none.
 WANT_POINTS = {
@@ -53,26 +26,13 @@ WANT_POINTS = {
     "transfer_attributes_per_vertex": "sourcemesh",
 }
 ALWAYS_ABORTS = frozenset({"create_mesh_by_grammar"})  # whatever the grammar
-# Filters that clean meshes, common in scripts, and delete every point of a cloud.
-EMPTY_CLOUDS = frozenset(
-    {
-        "meshing_edge_flip_by_curvature_optimization",
-        "meshing_remove_connected_component_by_diameter",
-        "meshing_remove_connected_component_by_face_number",
-        "meshing_remove_unreferenced_vertices",
-    }
-)
-# The same, but only with that value.
-EMPTY_CLOUDS_WITH: dict[str, tuple[str, object]] = {
-    "meshing_repair_non_manifold_edges": ("method", "Split Vertices")
-}
 # Filters that abort for that value whatever they work on.
 ABORTS_WITH: dict[str, tuple[str, object]] = {
     "generate_dust_accumulation_point_cloud": ("draw_texture", True)
 }
 POISSON = "generate_surface_reconstruction_screened_poisson"
-# Filters that do so in passing, or crash on layers with edges only, and the parameter that names
-# the layer (none: the current one).
+# Filters that delete every point of a cloud in passing, or crash on layers with edges only, and the
+# parameter that names the layer (none: the current one).
 EMPTY_CLOUDS_TOO = {
     "compute_color_by_point_cloud_voronoi_projection": "coloredmesh",
     "compute_iso_parametrization": "",
@@ -89,19 +49,19 @@ def check_step(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> 
     Raises
     ------
     HostError, GeometryError, ParameterError
-        As the other functions of this module.
+        As the functions that are called.
     """
     check_display(item)
     check_sound(item, values)
     check_limits(item, values)
-    check_document(mesh_set, item)
+    _check_document(mesh_set, item)
     check_layers(mesh_set, item, values)
     if current_identifier(mesh_set) >= 0:
-        check_vertices(mesh_set, item, values)
+        _check_vertices(mesh_set, item, values)
         check_distinct(mesh_set, item, values)
-        check_faces(mesh_set, item, values)
-        check_finite(mesh_set, item, values)
-        check_normals(mesh_set, item)
+        _check_faces(mesh_set, item, values)
+        _check_finite(mesh_set, item, values)
+        _check_normals(mesh_set, item)
         check_shape(mesh_set, item, values)
 
 
@@ -139,84 +99,20 @@ def check_sound(item: NativeFilter, values: Mapping[str, Any]) -> None:
     raise HostError(message)
 
 
-def check_document(mesh_set: Any, item: NativeFilter) -> None:
-    """Refuse a filter that crashes on a document without layers.
-
-    Raises
-    ------
-    HostError
-    """
+def _check_document(mesh_set: Any, item: NativeFilter) -> None:
+    """Refuse a filter that crashes on a document without layers."""
     if "empty" in item.fatal and mesh_set.mesh_number() == 0:
         message = f"'{item.menu_name}' needs a layer; got an empty document; load one first"
         raise HostError(message)
 
 
-def check_layers(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse numbers of layers that do not exist, given or by default: MeshLab would crash.
-
-    Raises
-    ------
-    ParameterError
-    """
-    for name, number in _layers_used(mesh_set, item, values).items():
-        if mesh_set.mesh_id_exists(number):
-            continue
-        known = ", ".join(str(mesh.id()) for mesh in mesh_set) or "none"
-        message = (
-            f"parameter '{name}' of '{item.menu_name}' must be the number of a layer; "
-            f"got {number}; the document has {known}"
-        )
-        raise ParameterError(message)
-
-
-def check_distinct(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse one layer in two roles, or the wrong one in a role, where MeshLab would fail on it.
-
-    Raises
-    ------
-    ParameterError
-    """
-    if item.python_name not in NEED_TWO_LAYERS:
-        return
-    first, second = NEED_TWO_LAYERS[item.python_name]
-    used = _layers_used(mesh_set, item, values)
-    if used[first] == used[second]:
-        message = (
-            f"'{item.menu_name}' needs two layers; got {used[first]} as '{first}' and as "
-            f"'{second}'; name two different ones"
-        )
-        raise ParameterError(message)
-    wanted = WANT_CURRENT.get(item.python_name)
-    if wanted is not None and used[wanted] != current_identifier(mesh_set):
-        message = (
-            f"'{item.menu_name}' needs the current layer as '{wanted}'; got {used[wanted]}; the "
-            f"current one is {current_identifier(mesh_set)}; make the other one current first"
-        )
-        raise ParameterError(message)
-
-
-def _layers_used(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> Mapping[str, int]:
-    """Return the number of each layer that a step names, in its values or by its defaults."""
-    names = [known.name for known in item.parameters if known.rich_type == "RichMesh"]
-    given = {name: values[name] for name in names if name in values}
-    if len(given) == len(names) or mesh_set.mesh_number() == 0:
-        return given
-    defaults = mesh_set.filter_parameter_values(item.python_name)
-    return {name: defaults[name] for name in names} | given
-
-
-def check_vertices(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse a filter that crashes on a layer without vertices: one that it names, if it does.
-
-    Raises
-    ------
-    GeometryError
-    """
+def _check_vertices(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
+    """Refuse a filter that crashes on a layer without vertices: one that it names, if it does."""
     if "void" not in item.fatal:
         return
     number = current_identifier(mesh_set)
     if item.python_name in WANT_POINTS:
-        number = _layers_used(mesh_set, item, values)[WANT_POINTS[item.python_name]]
+        number = layers_used(mesh_set, item, values)[WANT_POINTS[item.python_name]]
     mesh = mesh_set.mesh(number)
     if mesh.vertex_number() == 0:
         message = (
@@ -226,18 +122,13 @@ def check_vertices(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any])
         raise GeometryError(message)
 
 
-def check_faces(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse a filter that crashes on a cloud, or deletes its points on the way to something else.
-
-    Raises
-    ------
-    GeometryError
-    """
+def _check_faces(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
+    """Refuse a filter that crashes on a cloud, or deletes its points in passing."""
     fatal = "cloud" in item.fatal and "mesh" not in item.fatal
     if not fatal and item.python_name not in EMPTY_CLOUDS_TOO:
         return
     parameter = EMPTY_CLOUDS_TOO.get(item.python_name, "")
-    used = _layers_used(mesh_set, item, values)
+    used = layers_used(mesh_set, item, values)
     mesh = mesh_set.mesh(used.get(parameter, current_identifier(mesh_set)))
     if mesh.edge_number() > 0 and item.python_name in WORK_ON_EDGES:
         return
@@ -249,19 +140,14 @@ def check_faces(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) ->
         raise GeometryError(message)
 
 
-def check_finite(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
-    """Refuse NaN where a filter crashes on it, or takes shares of a box that it makes meaningless.
-
-    Raises
-    ------
-    GeometryError
-    """
+def _check_finite(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -> None:
+    """Refuse NaN where a filter crashes on it, or takes shares of the box that it spoils."""
     shares = (known.name for known in item.parameters if known.rich_type == "RichAbsPerc")
     defaulted = [name for name in shares if name not in values]
     fatal = item.python_name in FATAL_WITH_NAN
     if not defaulted and not fatal:
         return
-    used = set(_layers_used(mesh_set, item, values).values()) if fatal else set()
+    used = set(layers_used(mesh_set, item, values).values()) if fatal else set()
     for number in sorted(used | {current_identifier(mesh_set)}):
         mesh = mesh_set.mesh(number)
         bad = np.count_nonzero(~np.isfinite(mesh.vertex_matrix()).all(axis=1))
@@ -274,13 +160,8 @@ def check_finite(mesh_set: Any, item: NativeFilter, values: Mapping[str, Any]) -
             raise GeometryError(message)
 
 
-def check_normals(mesh_set: Any, item: NativeFilter) -> None:
-    """Refuse Screened Poisson without normals: its 'preclean' would delete every point.
-
-    Raises
-    ------
-    GeometryError
-    """
+def _check_normals(mesh_set: Any, item: NativeFilter) -> None:
+    """Refuse Screened Poisson without normals: its 'preclean' would delete every point."""
     if item.python_name != POISSON:
         return
     mesh = mesh_set.current_mesh()
@@ -290,22 +171,3 @@ def check_normals(mesh_set: Any, item: NativeFilter) -> None:
             "for point sets first"
         )
         raise GeometryError(message)
-
-
-def reason_to_skip(
-    mesh_set: Any, item: NativeFilter, values: Mapping[str, Any] | None = None
-) -> str:
-    """Say why a cleaning step must not run although it would not crash; empty when it may run."""
-    if empties_clouds(item, values or {}) and current_identifier(mesh_set) >= 0:
-        mesh = mesh_set.current_mesh()
-        if mesh.face_number() == 0 and mesh.vertex_number() > 0:
-            return f"layer '{mesh.label()}' has no faces, so every point would be deleted"
-    return ""
-
-
-def empties_clouds(item: NativeFilter, values: Mapping[str, Any]) -> bool:
-    """Say whether a cleaning step with these values deletes every point of a cloud."""
-    if item.python_name in EMPTY_CLOUDS_WITH:
-        parameter, value = EMPTY_CLOUDS_WITH[item.python_name]
-        return bool(values.get(parameter) == value)
-    return item.python_name in EMPTY_CLOUDS

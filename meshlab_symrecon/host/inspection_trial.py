@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -22,6 +23,7 @@ __all__ = ["try_in_child"]
 CHILD = "from meshlab_symrecon.host.inspection_trial import main; main()"
 SECONDS = 10  # of the processor, for a small file
 SECONDS_A_MEGABYTE = 3
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}  # 40 MB of addresses go to each, one for each core
 WAITING = 4  # times as long, on a busy machine
 MEMORY = 1 << 30  # bytes of addresses, for a small file; the child without one has a third
 TIMES_THE_FILE = 100  # and so much for a large one
@@ -51,8 +53,9 @@ def try_in_child(path: Path) -> int:
     ]
     try:
         ended = subprocess.run(  # noqa: S603  our own interpreter, our own program
-            command, capture_output=True, check=False, timeout=WAITING * seconds
-        )
+            command, capture_output=True, check=False, timeout=WAITING * seconds,
+            env=os.environ | ONE_THREAD,
+        )  # fmt: skip
     except subprocess.TimeoutExpired as error:
         raise damaged(path, OUT_OF_TIME.format(seconds=WAITING * seconds)) from error
     if ended.returncode in (-getattr(signal, "SIGXCPU", 0), -signal.SIGKILL):

@@ -25,7 +25,9 @@ __all__ = ["LENGTH", "Answer", "Box", "Job", "Told", "main"]
 
 LENGTH = struct.Struct("<Q")  # bytes of the pickle that follows
 DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
-SLACK = 512 << 20  # bytes that are mapped and never touched: stacks of threads, buffers of BLAS
+# Bytes that are mapped and never touched: stacks of threads and buffers of BLAS, which numpy and
+# scipy each have a copy of.
+SLACK, SLACK_OF_A_CORE = 512 << 20, 96 << 20
 STATUS = Path("/proc/self/status")
 
 
@@ -134,7 +136,7 @@ def _bound(memory: int | None) -> None:
         return
     import resource
 
-    limit = memory + SLACK
+    limit = memory + SLACK + SLACK_OF_A_CORE * (os.cpu_count() or 1)
     hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
     if hard == resource.RLIM_INFINITY or limit < hard:
         resource.setrlimit(resource.RLIMIT_DATA, (limit, hard))

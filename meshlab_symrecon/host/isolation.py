@@ -11,35 +11,27 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
-import queue
 import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
-import psutil
-
 from meshlab_symrecon.errors import HostError
 from meshlab_symrecon.host.atomic import remove_staging, staging_prefix
+from meshlab_symrecon.host.child_watch import Bounds, Watch
 from meshlab_symrecon.host.interruption import guarded_child
-from meshlab_symrecon.host.isolated_child import LENGTH, Answer, Box, Job, Told
+from meshlab_symrecon.host.isolated_child import LENGTH, Answer, Job
 from meshlab_symrecon.host.notices import warn_user
 
 if TYPE_CHECKING:
     from meshlab_symrecon.plugin import Progress
 
 __all__ = [
-    "ABANDONED",
-    "OUT_OF_MEMORY",
-    "TIMED_OUT",
-    "Bounds",
-    "Box",
     "Ending",
     "crash_in_words",
     "isolated",
@@ -48,35 +40,8 @@ __all__ = [
 
 CHILD = "from meshlab_symrecon.host.isolated_child import main; main()"
 WINDOWS_FAULT = 0xC0000000  # exit codes from here on are crashes there
-TICK = 0.05  # seconds between two looks at what the child uses
 LAST_BREATH = 10.0  # seconds for a child to end after its answer
 WORDS = 4000  # characters that are kept of what a child prints
-TIMED_OUT, OUT_OF_MEMORY, ABANDONED = "timed out", "out of memory", "abandoned"
-
-
-def _always() -> bool:
-    return True
-
-
-@dataclass(frozen=True, slots=True)
-class Bounds:
-    """What a child process may use, and whether it is still wanted.
-
-    Attributes
-    ----------
-    seconds : float or None
-    memory : int or None
-        Bytes of resident memory.
-    environment : mapping of str to str
-        Added to ours.
-    wanted : callable
-        Asked all the time; the child is ended when it says no.
-    """
-
-    seconds: float | None = None
-    memory: int | None = None
-    environment: Mapping[str, str] = field(default_factory=dict)
-    wanted: Callable[[], bool] = _always
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +55,7 @@ class Ending:
     code : int
         Its exit code; below zero the signal that ended it.
     stopped : str
-        Why it was ended from here: one of the words above; empty when it ended itself.
+        Why it was ended from here: a word of ``child_watch``; empty when it ended itself.
     doing : str
         What it told last.
     seconds : float
@@ -170,19 +135,11 @@ def run_child(
     bounds = bounds or Bounds()
     started = time.monotonic()
     with tempfile.TemporaryFile() if keep_words else contextlib.nullcontext() as words:
-        child = subprocess.Popen(  # noqa: S603  our own interpreter, our own program
-            [sys.executable, "-c", CHILD, str(os.getpid())],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=words,
-            # A numpy.py in the folder here is not ours.
-            env=os.environ | {"PYTHONSAFEPATH": "1"} | dict(bounds.environment),
-            start_new_session=True,  # it is ended from here, with all of its own children
-        )
+        child = _begun(bounds.environment, words)
         overslept = False
         try:
             _hand_over(child, Job(function, arguments, bounds.memory))
-            watch = _Watch(child, bounds, started)
+            watch = Watch(child, bounds, started)
             with guarded_child(child.pid, folders, staging_prefix(child.pid)):
                 watch.listen(progress)
                 if not watch.stopped:
@@ -224,55 +181,17 @@ def _signal_name(number: int) -> str:
         return f"signal {number}"
 
 
-class _Watch:
-    """What a child tells, and whether it stays within its bounds."""
-
-    def __init__(self, child: subprocess.Popen[bytes], bounds: Bounds, started: float) -> None:
-        self.child, self.bounds, self.started = child, bounds, started
-        self.answer: Answer | None = None
-        self.doing, self.stopped, self.peak = "", "", 0
-        self._heard: queue.SimpleQueue[Told | Answer | None] = queue.SimpleQueue()
-        with contextlib.suppress(psutil.Error):
-            self._process = psutil.Process(child.pid)
-
-    def listen(self, progress: Progress) -> None:
-        """Pass the child's progress on until it ends, or oversteps its bounds."""
-        threading.Thread(target=self._read, daemon=True).start()
-        looked = 0.0
-        while not self.stopped:
-            with contextlib.suppress(queue.Empty):
-                heard = self._heard.get(timeout=TICK)
-                if heard is None:
-                    return
-                if isinstance(heard, Answer):
-                    self.answer = heard
-                else:
-                    self.doing = heard.message
-                    progress(heard.fraction, heard.message)
-            if time.monotonic() - looked >= TICK:
-                self.stopped = self._overstepped()
-                looked = time.monotonic()
-
-    def _read(self) -> None:
-        """Take what comes through the pipe, until the child's end of it is closed."""
-        stream = self.child.stdout
-        with contextlib.suppress(OSError, ValueError):  # it is closed from the other thread
-            while stream is not None and len(head := stream.read(LENGTH.size)) == LENGTH.size:
-                size = LENGTH.unpack(head)[0]
-                if len(data := stream.read(size)) < size:
-                    break
-                self._heard.put(pickle.loads(data))  # noqa: S301  our own child's
-        self._heard.put(None)
-
-    def _overstepped(self) -> str:
-        bounds = self.bounds
-        with contextlib.suppress(psutil.Error, AttributeError):  # it has just ended
-            self.peak = max(self.peak, self._process.memory_info().rss)
-        if bounds.memory is not None and self.peak > bounds.memory:
-            return OUT_OF_MEMORY
-        if bounds.seconds is not None and time.monotonic() - self.started > bounds.seconds:
-            return TIMED_OUT
-        return "" if bounds.wanted() else ABANDONED
+def _begun(environment: Mapping[str, str], words: IO[bytes] | None) -> subprocess.Popen[bytes]:
+    """Begin a child; what it prints as errors goes to ``words``, or to our standard error."""
+    return subprocess.Popen(  # noqa: S603  our own interpreter, our own program
+        [sys.executable, "-c", CHILD, str(os.getpid())],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=words,
+        # A numpy.py in the folder here is not ours.
+        env=os.environ | {"PYTHONSAFEPATH": "1"} | dict(environment),
+        start_new_session=True,  # it is ended from here, with all of its own children
+    )
 
 
 def _hand_over(child: subprocess.Popen[bytes], job: Job) -> None:

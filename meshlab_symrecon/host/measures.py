@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-__all__ = ["OF_A_PLANE", "detection", "is_detection", "plain"]
+if TYPE_CHECKING:
+    from meshlab_symrecon.host.reconstruction import Reconstruction
+
+__all__ = ["OF_A_PLANE", "detection", "findings", "is_detection", "plain"]
 
 OF_A_PLANE = ("support", "residual", "confidence")
 
@@ -53,4 +56,16 @@ def detection(measures: Mapping[str, Any]) -> dict[str, Any]:
             for plane, row in zip(planes, columns, strict=True)
         ],
         "converged": bool(measures["converged"]),
+    }
+
+
+def findings(result: Reconstruction) -> dict[str, Any]:
+    """Return what the whole method found and measured: planes, points, completion, surface."""
+    completed = plain(result.completed)
+    return {
+        **detection(result.found),
+        "measured": completed.pop("measured"),
+        "mirrored": completed.pop("mirrored"),
+        "completion": completed,
+        "surface": plain(result.surface),
     }

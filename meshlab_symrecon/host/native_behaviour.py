@@ -1,4 +1,4 @@
-"""What trials of a filter show about it: what it needs, what it makes, what it leaves behind.
+"""What trials of a filter show about it: what it makes, and what it leaves behind.
 
 Only what held in every trial is written down. A fact's fate is two letters: what it is afterwards
 where it did not hold before, and where it did: ``yy`` is given, ``nn`` is lost, ``ny`` (left out)
@@ -7,40 +7,15 @@ stays as it was, and ``?`` stands for what differed or never came up.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from meshlab_symrecon.host.document_state import FACTS
-from meshlab_symrecon.host.native_trials import Trial
+from meshlab_symrecon.host.native_needs import needs_of
+from meshlab_symrecon.host.native_trials import Before, Trial
 
-__all__ = ["Before", "behaviour"]
+__all__ = ["behaviour"]
 
-Before = Mapping[str, tuple[Sequence[tuple[int, str]], int]]  # by document: layers, current
-
-PRECONDITION = re.compile(r"Current mesh does not have ([A-Z].*)\.")
-MESHLAB_WORDS = {
-    "Any Faces": "faces",
-    "Vertex Color": "vertex_colour",
-    "Face Color": "face_colour",
-    "Vertex Quality": "quality",
-    "Face Quality": "face_quality",
-    "Per Wedge Texture Coords": "wedge_texture",
-    "Per Vertex Texture Coords": "vertex_texture",
-}
-# What filters say in their own words, and which fact they may mean.
-OWN_WORDS: tuple[tuple[str, tuple[str, ...]], ...] = (
-    ("requires at least one mesh|No mesh layer", ("layer",)),
-    ("need a Raster Model|no valid raster", ("raster",)),
-    ("[Nn]o selection|no face selection", ("face_selection", "vertex_selection", "selection")),
-    ("Vertex Quality", ("quality",)),
-    ("Missing Component", ("face_quality",)),
-    ("Per Wedge UV|per Wedge Tex|need Texture Coord", ("wedge_texture",)),
-    ("per vertex normals", ("normals",)),
-    ("no faces|with faces|with some faces|no triangles", ("faces",)),
-)
-# Filters that work on the current layer, although one of their parameters names a layer.
-ON_CURRENT = frozenset({"generate_sampling_poisson_disk"})
 # Numbers and expressions may delete or select nothing: that no trial did so shows little.
 DELETES = {
     "generate_from_selected": ("points", "faces", "edges", "normals"),
@@ -90,17 +65,13 @@ def behaviour(trials: Iterable[Trial], before: Before, has_layers: bool) -> dict
     """
     tried = list(trials)
     ran = [trial for trial in tried if trial.ending == "ran" and trial.document != "empty"]
-    needs = _preconditions(tried)
-    own = _own_needs(tried, before, [need["fact"] for need in needs])
     name = tried[0].filter
     kept, others = _kept(ran, before), _others(ran, before)
     if has_layers:  # any of them may be the one that it works on
         kept = others = kept + others
     stays = ("points",) if name in LEAVES_POINTS else ()
-    about_current = not has_layers or name in ON_CURRENT
-    needs += [need for need in own if about_current or need["fact"] in ("layer", "raster")]
     return {
-        "needs": needs,
+        "needs": needs_of(tried, before, has_layers),
         "layers": _layers(ran, before),
         "kept": _selecting(name, _fates(kept, _deletable(name), kept=stays)),
         "others": _selecting(name, _fates(others)),
@@ -113,70 +84,6 @@ def _selecting(name: str, fates: dict[str, str] | None) -> dict[str, str] | None
     if fates is None or not name.startswith(SELECTS):
         return fates
     return fates | dict.fromkeys(SELECTIONS, "??")
-
-
-def _preconditions(trials: Iterable[Trial]) -> list[dict[str, Any]]:
-    """Return what MeshLab itself checks, whatever the parameters are."""
-    found = []
-    for trial in trials:
-        said = PRECONDITION.search(trial.message)
-        for words in said[1].split(",") if said else ():
-            fact = MESHLAB_WORDS.get(words)
-            if fact and fact not in found:
-                found.append(fact)
-    return [{"fact": fact} for fact in sorted(found)]
-
-
-def _own_needs(trials: list[Trial], before: Before, known: list[str]) -> list[dict[str, Any]]:
-    """Return what the filter itself refuses to work without, and under which values."""
-    needs: list[dict[str, Any]] = []
-    plain = [trial for trial in trials if not trial.values]
-    choices = {str(trial.values): trial.values for trial in trials if trial.values}
-    for fact in [fact for _, facts in OWN_WORDS for fact in facts]:
-        if fact in known or fact in [need["fact"] for need in needs]:
-            continue
-        lifted = [
-            values
-            for values in choices.values()
-            if not _is_needed(fact, [t for t in trials if t.values == values], before)
-            and _ran_without(fact, [t for t in trials if t.values == values], before)
-        ]
-        if _is_needed(fact, plain, before):
-            needs.append({"fact": fact, "unless": lifted} if lifted else {"fact": fact})
-            continue
-        for values in choices.values():
-            if _is_needed(fact, [t for t in trials if t.values == values], before):
-                needs.append({"fact": fact, "when": dict(values)})
-    return needs
-
-
-def _is_needed(fact: str, trials: list[Trial], before: Before) -> bool:
-    """Say whether documents without a fact were refused for want of it, and none of them ran."""
-    refused = {trial.document for trial in trials if _names(fact, trial.message)}
-    without = {trial.document for trial in trials if not _held(fact, trial.document, before)}
-    return bool(refused) and refused <= without and not _ran_without(fact, trials, before)
-
-
-def _ran_without(fact: str, trials: list[Trial], before: Before) -> bool:
-    return any(
-        trial.ending == "ran" and not _held(fact, trial.document, before) for trial in trials
-    )
-
-
-def _names(fact: str, message: str) -> bool:
-    return any(fact in facts and re.search(words, message) for words, facts in OWN_WORDS)
-
-
-def _held(fact: str, document: str, before: Before) -> bool:
-    layers, current = before[document]
-    if fact == "layer":
-        return bool(layers)
-    if fact == "raster" or not layers:
-        return False
-    facts = dict(zip(FACTS, dict(layers)[current], strict=True))
-    if fact == "selection":  # of either kind
-        return "y" in (facts["vertex_selection"], facts["face_selection"])
-    return facts[fact] == "y"
 
 
 def _layers(ran: list[Trial], before: Before) -> Any:

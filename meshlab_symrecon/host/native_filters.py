@@ -14,7 +14,8 @@ from importlib.resources import files
 from typing import Any
 
 from meshlab_symrecon.errors import UnknownFilterError
-from meshlab_symrecon.host.guards import check_step, reason_to_skip
+from meshlab_symrecon.host.cloud_cleaning import reason_to_skip
+from meshlab_symrecon.host.guards import check_step
 from meshlab_symrecon.host.native_values import NativeParameter, checked_value
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.remembered import first_defaults

@@ -27,9 +27,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pymeshlab
 
-from meshlab_symrecon.host.native_behaviour import Before, behaviour
+from meshlab_symrecon.host.native_behaviour import behaviour
 from meshlab_symrecon.host.native_documents import DOCUMENTS
-from meshlab_symrecon.host.native_trials import TALKS, Bench, variations
+from meshlab_symrecon.host.native_trials import TALKS, Before, Bench, variations
 from meshlab_symrecon.host.translation import script_name_in_python
 
 __all__ = ["main"]

@@ -9,7 +9,7 @@ import json
 import os
 import resource
 import signal
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,9 @@ from typing import Any
 from meshlab_symrecon.host.document_state import FACTS, DocumentState
 from meshlab_symrecon.host.native_documents import DOCUMENTS
 
-__all__ = ["TALKS", "Bench", "Trial", "variations"]
+__all__ = ["TALKS", "Before", "Bench", "Trial", "variations"]
+
+Before = Mapping[str, tuple[Sequence[tuple[int, str]], int]]  # by document: layers, current
 
 SECONDS = 4.0  # of the processor, for one trial
 BYTES = 4 << 30  # of memory, for one trial

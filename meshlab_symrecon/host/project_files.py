@@ -78,8 +78,8 @@ def read_project(path: str | Path) -> Project:
     try:
         content = None if path.exists() and not path.is_file() else path.read_bytes()
     except (OSError, ValueError) as error:
-        words = reason(error) if isinstance(error, OSError) else str(error)
-        raise FileError(f"project {path} cannot be read: {words}; check its path") from error
+        message = f"project {path} cannot be read: {reason(error)}; check its path"
+        raise FileError(message) from error
     if content is None:
         raise FileError(f"project {path} is not an ordinary file; give a project file")
     project = _aln(path, content) if extension == "aln" else _mlp(path, content)

@@ -14,9 +14,10 @@ import numpy as np
 
 from meshlab_symrecon.errors import FileError, HostError
 from meshlab_symrecon.host.atomic import replacing
-from meshlab_symrecon.host.files import check_output, load, new_document, write_layer
+from meshlab_symrecon.host.files import load, new_document, write_layer
 from meshlab_symrecon.host.native_filters import apply_native
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.paths import check_output
 from meshlab_symrecon.host.project_files import (
     READABLE_PROJECTS,
     Project,

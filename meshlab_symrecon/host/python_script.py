@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pymeshlab
 
-from meshlab_symrecon.host.guards import EMPTY_CLOUDS
+from meshlab_symrecon.host.cloud_cleaning import EMPTY_CLOUDS
 from meshlab_symrecon.host.mlx import Script
 from meshlab_symrecon.host.native_filters import NativeFilter, completed
 from meshlab_symrecon.host.old_names import CHANGE_LAYER, NOTHING

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from meshlab_symrecon.errors import SymReconWarning
-from meshlab_symrecon.host.files import check_input, load
+from meshlab_symrecon.host.files import load
 from meshlab_symrecon.host.meshset import current_identifier
+from meshlab_symrecon.host.paths import check_input
 from meshlab_symrecon.host.registration import apply_filter, registry
 from meshlab_symrecon.host.size import RECONSTRUCT, check_memory, check_rest
 from meshlab_symrecon.host.thinning import thin_current

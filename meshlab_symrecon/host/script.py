@@ -15,11 +15,12 @@ from typing import Any
 
 from meshlab_symrecon.errors import GeometryError, ParameterError, ScriptError, SymReconError
 from meshlab_symrecon.host.checking import check_document
+from meshlab_symrecon.host.cloud_cleaning import reason_to_skip
 from meshlab_symrecon.host.document_state import DocumentState
 from meshlab_symrecon.host.findings import ERROR, REMARK, SKIP, Finding, check_findings, place
-from meshlab_symrecon.host.guards import reason_to_skip
 from meshlab_symrecon.host.meshset import current_identifier
-from meshlab_symrecon.host.mlx import Script, Step, read_script
+from meshlab_symrecon.host.mlx import Script, Step
+from meshlab_symrecon.host.mlx_reading import read_script
 from meshlab_symrecon.host.native_filters import apply_native
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.old_names import CHANGE_LAYER

@@ -13,7 +13,9 @@ from typing import Any
 from meshlab_symrecon.host import exact_steps, history
 from meshlab_symrecon.host.exact_steps import Note, Notes
 from meshlab_symrecon.host.findings import check_findings
-from meshlab_symrecon.host.mlx import Param, Script, Step, read_script, step_of, write_script
+from meshlab_symrecon.host.mlx import Param, Script, Step, step_of
+from meshlab_symrecon.host.mlx_reading import read_script
+from meshlab_symrecon.host.mlx_writing import write_script
 from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.old_names import NOTHING

@@ -6,20 +6,39 @@ import filecmp
 import re
 import shutil
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 import pymeshlab
 
 from meshlab_symrecon.errors import HostError
+from meshlab_symrecon.host.checksums import sha256_of
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.sources import input_files, source_of, texture_file
 from meshlab_symrecon.host.translation import translated
 
-__all__ = ["place_textures", "plain_texture_name", "same_image"]
+__all__ = ["images_named_by_contents", "place_textures", "plain_texture_name", "same_image"]
 
 STAND_IN = ".png"  # for an image whose name has no ending that MeshLab can write
+DIGITS = 12  # of the checksum in a name
+_by_contents: ContextVar[bool] = ContextVar("_by_contents", default=False)
+
+
+@contextmanager
+def images_named_by_contents() -> Iterator[None]:
+    """Let the images that are placed in this block have a checksum of their contents in the name.
+
+    Then processes that write into one folder at the same time never mean different images by one
+    name, and the names are the same whoever comes first.
+    """
+    token = _by_contents.set(True)
+    try:
+        yield
+    finally:
+        _by_contents.reset(token)
 
 
 def plain_texture_name(name: str) -> str:
@@ -36,7 +55,7 @@ def place_textures(mesh_set: Any, identifier: int, path: Path, staged: Path) -> 
 
     An image that no step has changed is the input's file, byte for byte. What is beside ``path``
     already is used when it is the same; else the image takes a name that begins as ``path`` does.
-    No file of an input is ever replaced.
+    No file of an input is ever replaced. See also ``images_named_by_contents``.
 
     Parameters
     ----------
@@ -135,9 +154,12 @@ def _settle(made: Path, wanted: str, path: Path, staged: Path, protected: Iterab
         files = [file for file in (folder / name, staged.parent / name) if file.is_file()]
         return any(filecmp.cmp(made, file, shallow=False) for file in files)
 
+    if _by_contents.get():
+        wanted = _with_checksum(wanted, made)
+
     def free(name: str) -> bool:
         there = folder / name
-        ours = name != wanted and there.resolve() not in protected
+        ours = (name != wanted or _by_contents.get()) and there.resolve() not in protected
         return not (staged.parent / name).exists() and (ours or not there.exists())
 
     name = next(name for name in _names(wanted, path) if same(name) or free(name))
@@ -148,6 +170,12 @@ def _settle(made: Path, wanted: str, path: Path, staged: Path, protected: Iterab
         beside.parent.mkdir(parents=True, exist_ok=True)
         made.replace(beside)
     return name
+
+
+def _with_checksum(name: str, image: Path) -> str:
+    """Return a name that tells what the image holds; one that does so already stays."""
+    plain, ending = PurePosixPath(name), f"-{sha256_of(image)[:DIGITS]}"
+    return name if plain.stem.endswith(ending) else str(plain.with_stem(plain.stem + ending))
 
 
 def _names(wanted: str, path: Path) -> Iterable[str]:

@@ -61,8 +61,7 @@ def still(
     SymReconError
         matplotlib is missing, the size is out of range, or the file cannot be written.
     """
-    heading, *lines = caption.split("\n")
-    save_panels(path, [Panel(render(items, camera, size), heading, tuple(lines))])
+    save_panels(path, [_panel(items, caption, camera, size)])
 
 
 def _count(number: int) -> str:
@@ -144,12 +143,23 @@ def main_job_picture(  # noqa: PLR0913, PLR0917  the seven arrays of the whole m
         parts = (int(mirrored.sum()), float(share[faces].mean()) if len(faces) else 0.0)
         captions = _captions(len(scan), parts, len(faces), sheets)
     legend = LEGEND if mirrored.any() else ()
-    panels: list[Panel] = []
-    for items, caption in zip(scenes, captions, strict=True):
-        heading, *lines = caption.split("\n")
-        swatches = legend if panels else ()
-        panels.append(Panel(render(items, aimed, size), heading, tuple(lines), swatches))
+    panels = [
+        _panel(items, caption, aimed, size, swatches)
+        for items, caption, swatches in zip(scenes, captions, ((), legend, legend), strict=True)
+    ]
     save_panels(path, panels, title)
+
+
+def _panel(
+    items: Sequence[Item],
+    caption: str,
+    camera: Camera,
+    size: tuple[int, int],
+    swatches: tuple[tuple[str, tuple[int, int, int]], ...] = (),
+) -> Panel:
+    """Draw one panel; the first line of its caption is the heading."""
+    heading, *lines = caption.split("\n")
+    return Panel(render(items, camera, size), heading, tuple(lines), swatches)
 
 
 def _completed_cloud(points: Points, mirrored: Booleans, radius: float) -> PointCloud:

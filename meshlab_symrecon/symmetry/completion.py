@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 
-from meshlab_symrecon import _native
 from meshlab_symrecon.arrays import (
     Booleans,
     Floats,
     Indices,
+    Planes,
     Points,
     as_normals,
     as_planes,
@@ -21,35 +19,25 @@ from meshlab_symrecon.arrays import (
     as_scalars,
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
-from meshlab_symrecon.geometry.bounds import require_solid, robust_diagonal
+from meshlab_symrecon.geometry.bounds import require_solid
 from meshlab_symrecon.geometry.neighbours import blocks
 from meshlab_symrecon.geometry.planes import reflect, reflect_directions, signed_distances
-from meshlab_symrecon.geometry.sampling import principal_frame
 from meshlab_symrecon.one_thread import in_one_thread
-from meshlab_symrecon.symmetry.asymmetry import asymmetry_field
-from meshlab_symrecon.symmetry.copying import off_lopsided_plinth, on_surface, standing_plane
-from meshlab_symrecon.symmetry.filling import (
-    Surroundings,
-    any_missing,
-    fill,
-    neighbours,
-    surroundings,
-)
+from meshlab_symrecon.symmetry.filling import any_missing, fill
+from meshlab_symrecon.symmetry.leaning import leaning
+from meshlab_symrecon.symmetry.measured_surface import MeasuredSurface, measured_surface
 from meshlab_symrecon.symmetry.open_rims import open_rims
-from meshlab_symrecon.symmetry.preparation import PreparedCloud, prepare
-from meshlab_symrecon.symmetry.progress import Progress, part, share_of, silent
+from meshlab_symrecon.symmetry.progress import Progress, part, silent
+from meshlab_symrecon.symmetry.surroundings import Surroundings, surroundings
 
 __all__ = ["BLEND", "GAP", "CompletedPoints", "mirror_complete"]
 
 
 GAP = 1.0  # local spacings: nearer mirror images add nothing to what was measured
 BLEND = 0.25  # diagonals: how far the offset seen at the seam is carried at most
-ENOUGH = 200_000  # points on which the statue's asymmetry, its plinth and its rims are looked for
+ENOUGH = 200_000  # points on which rims are looked for
 FEWEST = 500  # points below which nothing can be said about asymmetry
-SAMPLES = 16  # of the prepared cloud; they are for detection
-NODES = 4  # places between which an offset is interpolated
-LEANING = "following how the sides differ"
-SCAN_DONE, FILL = 0.35, 0.6  # shares of the time: looking at the scan, and filling
+SCAN_DONE, FILL_DONE = 0.35, 0.95  # shares of the time: looking at the scan, and filling
 MOST_AWAY = 0.02  # diagonals: between a plane and a cloud that just reaches it
 
 
@@ -136,39 +124,21 @@ def mirror_complete(  # noqa: PLR0913  # what a vertex carries, and how to fill
     allowed = None if source is None else as_scalars(source, count, "source") != 0.0
 
     report = progress or silent
-    scan = _scan(measured, directions, allowed, part(report, 0.0, SCAN_DONE))
+    scan = measured_surface(measured, directions, allowed, part(report, 0.0, SCAN_DONE))
+    whole = _filled(scan, mirrors, (gap, blend), part(report, SCAN_DONE, FILL_DONE))
+    report(FILL_DONE, "collecting the completed points")
     kept = len(scan.number)
-    positions, origin = scan.around.points, np.arange(kept)
-    facing = np.zeros((0, 3))  # the normals of the images
-    for step, plane in enumerate(mirrors):
-        low, high = (SCAN_DONE + FILL * number / len(mirrors) for number in (step, step + 1))
-        report(low, "filling with mirror images")
-        _check_reached(positions, plane, step, scan.around.diagonal)
-        around = scan.around
-        if step > 0:
-            turned = scan.directions_with(facing)
-            around = surroundings(positions, turned, scan.around.diagonal)
-        of_plane = part(report, low, high)
-        images, chosen = _across(scan, around, origin, plane, (gap, blend), of_plane)
-        positions = np.concatenate([positions, images])
-        origin = np.concatenate([origin, origin[chosen]])
-        turned = scan.directions_with(facing)
-        if turned is not None:
-            facing = np.concatenate([facing, reflect_directions(turned[chosen], plane)])
-        del turned
-    report(SCAN_DONE + FILL, "collecting the completed points")
-    source_of = np.concatenate([np.arange(count), scan.number[origin[kept:]]])
-    mirrored_normals = None if directions is None else np.concatenate([directions, facing])
+    source_of = np.concatenate([np.arange(count), scan.number[whole.origin[kept:]]])
     completed = CompletedPoints(
-        points=np.concatenate([measured, positions[kept:]]),
-        normals=mirrored_normals,
+        points=np.concatenate([measured, whole.points[kept:]]),
+        normals=None if directions is None else np.concatenate([directions, whole.facing]),
         colours=None if paint is None else paint[source_of],
         quality=None if worth is None else worth[source_of],
         mirrored=np.arange(len(source_of)) >= count,
         source=source_of,
         scattered=scan.scattered,
         plinth=int(np.count_nonzero(~scan.off_plinth(mirrors[0]))) if len(mirrors) else 0,
-        open_rims=open_rims(positions[:: -(-len(positions) // ENOUGH)]),
+        open_rims=open_rims(whole.points[:: -(-len(whole.points) // ENOUGH)]),
     )
     report(1.0, "completed")
     return completed
@@ -204,76 +174,41 @@ def _attribute(values: ArrayLike, count: int, what: str) -> Floats:
     return rows
 
 
-@dataclass(frozen=True, eq=False)
-class _Scan:
-    """The measured surface, without scatter, and what is found out about it on demand."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Filled:
+    """The measured surface, then the mirror images that fill it."""
 
-    number: Indices  # (k,)  of each point in the input
-    allowed: Booleans | None  # (k,)  may be mirrored; None: all of them
-    around: Surroundings
-    scattered: int  # points left out
-    directions: Points | None  # of the input
-
-    def directions_with(self, others: Points) -> Points | None:
-        """Return the normals of these points, then others; made when asked for, to save memory."""
-        if self.directions is None:
-            return None
-        return np.concatenate([self.directions[self.number], others])
-
-    @cached_property
-    def _even(self) -> slice:
-        """Every n-th point along the curve: an even part of a large scan."""
-        return slice(None, None, -(-len(self.number) // ENOUGH))
-
-    @cached_property
-    def prepared(self) -> PreparedCloud:
-        sides = self.around.directions[self._even] if self.around.outward else None
-        return prepare(self.around.points[self._even], sides, SAMPLES)
-
-    @cached_property
-    def _standing(self) -> Floats | None:
-        return standing_plane(self.around.points[self._even])
-
-    def off_plinth(self, plane: Floats) -> Booleans:
-        """Tell which points are not on a plinth that lacks the mirror plane."""
-        if self._standing is None:
-            return np.ones(len(self.number), dtype=bool)
-        around = self.around
-        return off_lopsided_plinth(around.points, around.field, around.usual, self._standing, plane)
+    points: Points  # (k + m, 3)
+    origin: Indices  # (k + m,)  the point of the surface that each is, or is the image of
+    facing: Points  # (m, 3)  normals of the images; none when the surface has none
 
 
-def _scan(
-    points: Points, normals: Points | None, allowed: Booleans | None, progress: Progress
-) -> _Scan:
-    """Order a cloud along a space-filling curve, which makes searches fast, without scatter.
-
-    Of points that coincide, the curve passes the first only.
-    """
-    progress(0.0, "ordering the points")
-    centre, axes = principal_frame(points)
-    framed = points - centre
-    framed = framed @ axes.T  # so that all that follows turns with the scan
-    order = _native.curve_order(framed).astype(np.int64)
-    diagonal = robust_diagonal(framed[order])  # without those that coincide
-    del framed
-    ordered = points[order]
-    looking = part(progress, 0.2, 0.8)
-    known = neighbours(ordered, share_of(looking, "looking at neighbourhoods"))
-    progress(0.8, "looking for the surface")
-    together = on_surface(ordered, known.width, known.nearest)
-    number = order[together]
-    sides = None if normals is None else normals[order]
-    return _Scan(
-        number=number,
-        allowed=None if allowed is None else allowed[number],
-        around=surroundings(ordered, sides, diagonal, known, together),
-        scattered=int(np.count_nonzero(~together)),
-        directions=normals,
-    )
+def _filled(
+    scan: MeasuredSurface, mirrors: Planes, lengths: tuple[float, float], progress: Progress
+) -> _Filled:
+    """Fill the surface across one plane after the other."""
+    points, origin = scan.around.points, np.arange(len(scan.number))
+    facing = np.zeros((0, 3))
+    for step, plane in enumerate(mirrors):
+        low, high = step / len(mirrors), (step + 1) / len(mirrors)
+        progress(low, "filling with mirror images")
+        _check_reached(points, plane, step, scan.around.diagonal)
+        around = scan.around
+        if step > 0:
+            around = surroundings(points, scan.directions_with(facing), around.diagonal)
+        of_plane = part(progress, low, high)
+        images, chosen = _across(scan, around, origin, plane, lengths, of_plane)
+        points = np.concatenate([points, images])
+        origin = np.concatenate([origin, origin[chosen]])
+        turned = scan.directions_with(facing)
+        if turned is not None:
+            facing = np.concatenate([facing, reflect_directions(turned[chosen], plane)])
+        del turned  # before the next plane, which needs the memory
+    return _Filled(points, origin, facing)
 
 
 def _across(
-    scan: _Scan,
+    scan: MeasuredSurface,
     around: Surroundings,
     origin: Indices,
     plane: Floats,
@@ -294,26 +229,6 @@ def _across(
             return images[:0], sources[:0]
         progress(0.1, "learning how the sides differ")
         cloud = scan.prepared
-        images = _leaning(cloud, images, plane, blend, part(progress, 0.3, 0.7))
+        images = leaning(cloud, images, plane, blend, part(progress, 0.3, 0.7))
     filling = fill(around, images, sources, plane, gap, part(progress, 0.7, 1.0))
     return images[filling], sources[filling]
-
-
-def _leaning(
-    cloud: PreparedCloud, images: Points, plane: Floats, blend: float, progress: Progress
-) -> Points:
-    """Move mirror images by what is known of the statue's asymmetry."""
-    progress(0.0, LEANING)
-    field = asymmetry_field(cloud, plane, blend)
-    if field is None:
-        return images
-    nodes = reflect(cloud.points @ cloud.axes * cloud.scale + cloud.centre, plane)
-    offsets = field.offsets(nodes)
-    tree = cKDTree(nodes)
-    leaning = np.zeros(images.shape)
-    for rows in blocks(len(images), share_of(part(progress, 0.5, 1.0), LEANING)):
-        distances, nearest = tree.query(images[rows], k=NODES)
-        weights = np.exp(-((distances / np.maximum(distances[:, -1:], 1e-300)) ** 2))
-        weights /= weights.sum(axis=1, keepdims=True)
-        leaning[rows] = images[rows] + np.einsum("nk,nki->ni", weights, offsets[nearest])
-    return leaning

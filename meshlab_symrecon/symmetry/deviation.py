@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from meshlab_symrecon.arrays import (
     Booleans,
-    Faces,
     Floats,
     Indices,
     Points,
@@ -22,36 +19,18 @@ from meshlab_symrecon.arrays import (
 )
 from meshlab_symrecon.errors import GeometryError, ParameterError
 from meshlab_symrecon.geometry.bounds import box_diagonal, require_solid, robust_diagonal
-from meshlab_symrecon.geometry.deviation import (
-    Facing,
-    Heights,
-    TriangleSurface,
-    heights_over_cloud,
-    heights_over_mesh,
-)
-from meshlab_symrecon.geometry.local_planes import local_planes
-from meshlab_symrecon.geometry.mesh_edges import welded, winding_conflicts
+from meshlab_symrecon.geometry.mesh_edges import welded
 from meshlab_symrecon.geometry.places import distinct_places
-from meshlab_symrecon.geometry.planes import reflect, reflect_directions
 from meshlab_symrecon.geometry.sampling import principal_frame
-from meshlab_symrecon.geometry.surfaces import enclosed_volume, face_normals, topology
 from meshlab_symrecon.one_thread import in_one_thread
+from meshlab_symrecon.symmetry.counterparts import over_cloud, over_mesh
 from meshlab_symrecon.symmetry.progress import Progress, silent
-from meshlab_symrecon.symmetry.sides import CONSISTENT, agreement_with_shape, outward_normals
 
 __all__ = ["FARTHEST", "TOLERANCE", "MirrorDeviation", "mirror_deviation"]
 
-# Lengths are in diagonals of the scan, areas in their squares.
+# In diagonals of the scan.
 TOLERANCE = 0.005  # what counts as symmetric
 FARTHEST = 0.05  # a surface farther from the mirror image is another part, not its counterpart
-FACING = 0.5  # cosine of 60 degrees, between normals that face the same way
-REACH_SPACINGS = 2.5  # off to the side of the nearest sample, an image is over a hole
-SPACING_RANGE = (0.5, 2.0)  # medians: between them the spacing of a point is believed
-RIM_REACH = 0.005  # off to the side of the border of a mesh, an image is over a hole
-FEW_CONFLICTS = 0.02  # share of edges of a mesh whose faces may contradict each other
-SLANT = 0.36  # tangent of 20 degrees: farther from the surface, that much more to the side
-LEAST_AREA = 1e-14  # twice: below it, the area of a triangle is rounding
-STEEP_SLANT = 1.73  # tangent of 60 degrees: over an edge of a mesh, places lie off to its side
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,10 +111,10 @@ def mirror_deviation(  # noqa: PLR0913  # the scan, and what counts
     report(0.0, "looking at the surface")
     framed, frame = _in_own_frame(scan)
     if len(triangles):
-        measure = _over_mesh(framed, welded(scan, triangles), farthest)
+        measure = over_mesh(framed, welded(scan, triangles), farthest)
     else:
         turned = None if hints is None else hints @ frame.axes.T
-        measure = _over_cloud(framed, distinct_places(scan), turned, farthest)
+        measure = over_cloud(framed, distinct_places(scan), turned, farthest)
     report(0.5, "comparing with the mirror image")
     heights, counterpart, signed = measure(rows, frame.plane(mirror))
     distances, has_counterpart = np.zeros(len(scan)), np.zeros(len(scan), dtype=bool)
@@ -157,9 +136,6 @@ def _mirror(plane: ArrayLike) -> Floats:
         raise GeometryError("plane must be four numbers A, B, C, D; got none; detect planes first")
     mirror: Floats = planes[0]
     return mirror
-
-
-_Measured: TypeAlias = tuple[Floats, Booleans, bool]  # heights, which of them count, are signed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -193,79 +169,6 @@ def _rows(chosen: ArrayLike, count: int) -> Indices:
         )
         raise GeometryError(message)
     return np.flatnonzero(flags)
-
-
-def _over_cloud(
-    points: Points, distinct: tuple[Indices, Indices], given: Points | None, farthest: float
-) -> Callable[[Indices, Floats], _Measured]:
-    """Return what measures rows of a cloud against its mirror image across a plane."""
-    chosen, sample = distinct
-    samples = points[chosen]
-    planes = local_planes(samples)
-    hints = None if given is None else given[chosen]
-    normals, sided = outward_normals(samples, planes.normals, hints)
-    low, high = (factor * float(np.median(planes.spacing)) for factor in SPACING_RANGE)
-    reach = REACH_SPACINGS * np.clip(planes.spacing, low, high)
-    facing = Facing(FACING, sided, farthest)
-
-    def measure(rows: Indices, plane: Floats) -> _Measured:
-        images = reflect(points[rows], plane)
-        directions = reflect_directions(normals[sample[rows]], plane)
-        found = heights_over_cloud(images, directions, samples, normals, facing)
-        over = found.aside <= np.maximum(reach[found.nearest], SLANT * np.abs(found.heights))
-        return _signed(found, over, sided)
-
-    return measure
-
-
-def _over_mesh(
-    points: Points, joined: tuple[Faces, Indices], farthest: float
-) -> Callable[[Indices, Floats], _Measured]:
-    """Return what measures vertices of a mesh against its mirror image across a plane."""
-    faces, vertex = joined
-    if np.linalg.norm(face_normals(points, faces), axis=1).max(initial=0.0) < LEAST_AREA:
-        message = (
-            "mirror deviation needs faces with an area; got none, once vertices that coincide are "
-            "joined; leave the faces out to measure the points as a cloud"
-        )
-        raise GeometryError(message)
-    surface = TriangleSurface(points, faces)
-    outwards = _winding(points, surface.vertex_normals, faces)
-    sided = outwards != 0
-    if outwards < 0:
-        surface = TriangleSurface(points, faces[:, ::-1])
-    facing = Facing(FACING, sided, farthest)
-
-    def measure(rows: Indices, plane: Floats) -> _Measured:
-        directions = reflect_directions(surface.vertex_normals[vertex[rows]], plane)
-        found = heights_over_mesh(reflect(points[rows], plane), directions, surface, facing)
-        slant = np.where(found.on_rim, SLANT, STEEP_SLANT)
-        over = found.aside <= np.maximum(RIM_REACH, slant * np.abs(found.heights))
-        return _signed(found, over, sided)
-
-    return measure
-
-
-def _winding(points: Points, normals: Points, faces: Faces) -> int:
-    """Return 1 when the faces of a mesh face outwards, -1 when inwards, 0 when they contradict.
-
-    The volume tells it of a closed mesh; the winding of an open one is believed unless its shape
-    speaks clearly against it.
-    """
-    shape = topology(faces)
-    if shape.closed and shape.oriented:
-        return 1 if enclosed_volume(points, faces) >= 0.0 else -1
-    used = np.unique(faces)
-    agreement = agreement_with_shape(points[used], normals[used])
-    if agreement is not None and agreement <= 1.0 - CONSISTENT:
-        return -1
-    agrees = agreement is not None and agreement >= CONSISTENT
-    return 1 if agrees or winding_conflicts(faces) <= FEW_CONFLICTS else 0
-
-
-def _signed(found: Heights, over: Booleans, sided: bool) -> _Measured:
-    heights = found.heights if sided else np.abs(found.heights)
-    return heights, over & (found.nearest >= 0), sided
 
 
 def _summed(

@@ -109,25 +109,8 @@ def prepare(
     GeometryError
         Nearly all points in one place, beside stray ones far away.
     """
-    order = _order_of_distinct(points)
-    points = points[order]
-    frame = _frame(points)
-    framed = (points - frame.centre) @ frame.axes.T / frame.unit
-    sides = None if normals is None else normals[order] @ frame.axes.T
-    turned = canonical_order(framed)  # the order follows motions, too
-    framed, sides = framed[turned], None if sides is None else sides[turned]
-    dense, sides = without_clutter(framed, sides)
-    everything = len(dense)
-    if not plinth:
-        dense, sides = without_plinth(dense, sides)
-    shift, size = dense.mean(axis=0), robust_diagonal(dense)
-    if size == 0.0:
-        message = (
-            "detection of reflection planes needs points all over a body; got nearly all of "
-            f"{len(points)} points in one place; remove stray points far away"
-        )
-        raise GeometryError(message)
-    dense = (dense - shift) / size
+    body = _body(points, normals, plinth=plinth)
+    dense, sides = body.points, body.normals
     base = _base_level(dense)
     places, directions, roughness = _smooth_surface(dense, dense[base])
     directions, oriented = orient(places, directions, None if sides is None else sides[base])
@@ -151,10 +134,10 @@ def prepare(
         spacing=spacing,
         roughness=roughness,
         field=nearest_field(places, FIELD_CELL, FIELD_MARGIN, FIELD_CELLS),
-        on_plinth=len(dense) < everything,
-        axes=frame.axes,
-        centre=frame.centre + (frame.unit * shift) @ frame.axes,
-        scale=frame.unit * size,
+        on_plinth=body.on_plinth,
+        axes=body.frame.axes,
+        centre=body.frame.centre,
+        scale=body.frame.unit,
     )
 
 
@@ -163,6 +146,39 @@ class _Frame:
     centre: Floats  # (3,)
     axes: Floats  # (3, 3)  rows
     unit: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Body:
+    points: Points  # (n, 3)  in the frame
+    normals: Points | None  # (n, 3)  likewise
+    frame: _Frame
+    on_plinth: bool  # a plinth was left out
+
+
+def _body(points: Points, normals: Points | None, *, plinth: bool) -> _Body:
+    """Return a scan in its own frame, of unit size, without copies, clutter and plinth."""
+    order = _order_of_distinct(points)
+    points = points[order]
+    frame = _frame(points)
+    framed = (points - frame.centre) @ frame.axes.T / frame.unit
+    sides = None if normals is None else normals[order] @ frame.axes.T
+    turned = canonical_order(framed)  # the order follows motions, too
+    framed, sides = framed[turned], None if sides is None else sides[turned]
+    dense, sides = without_clutter(framed, sides)
+    everything = len(dense)
+    if not plinth:
+        dense, sides = without_plinth(dense, sides)
+    shift, size = dense.mean(axis=0), robust_diagonal(dense)
+    if size == 0.0:
+        message = (
+            "detection of reflection planes needs points all over a body; got nearly all of "
+            f"{len(points)} points in one place; remove stray points far away"
+        )
+        raise GeometryError(message)
+    centre = frame.centre + (frame.unit * shift) @ frame.axes
+    own = _Frame(centre, frame.axes, frame.unit * size)
+    return _Body((dense - shift) / size, sides, own, on_plinth=len(dense) < everything)
 
 
 def _order_of_distinct(points: Points) -> Indices:

@@ -1,8 +1,12 @@
-"""A filter that does to its process what the number of points says."""
+"""A filter that does to its process what the number of points says.
+
+Where AWKWARD_GATE is in the environment, large scans wait for a file of that name.
+"""
 
 import os
 import signal
 import time
+from pathlib import Path
 
 import numpy as np
 
@@ -31,6 +35,9 @@ def run(layers, parameters, progress):
         1 / (count - DIVIDES)
     if count == SLEEPS:
         time.sleep(600)
+    gate = os.environ.get("AWKWARD_GATE")
+    while gate and count >= LINGERS and not Path(gate).exists():
+        time.sleep(0.01)
     return Outcome(measures={"points": count})
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import socket
+import json
+import logging
 import subprocess
 import sys
 import time
@@ -19,8 +20,9 @@ from meshlab_symrecon.batch.plan import planned
 from meshlab_symrecon.batch.reports import ScanReport
 from meshlab_symrecon.errors import HostError, SymReconError
 
-pytest.importorskip("distributed")
+distributed = pytest.importorskip("distributed")
 COUNT = 6
+HANGS = 60  # seconds after which something will never come, on a busy machine, too
 
 
 @pytest.fixture(scope="module")
@@ -28,20 +30,13 @@ def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("cluster")
     (folder / "halve.mlx").write_text(SCRIPT)
     for number in range(COUNT):
-        cloud(folder / "in" / f"s{number}.ply", 77 if number == 4 else 50 + number, number)
+        cloud(folder / "in" / f"s{number}.ply", 77 if number == 4 else 50 + 80 * number, number)
     return folder
-
-
-def free_port():
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        return found.getsockname()[1]
 
 
 @pytest.fixture
 def scheduler(tmp_path):
     """Start a scheduler; return its address and a function that starts a worker."""
-    address = f"tcp://127.0.0.1:{free_port()}"
     started = []
 
     def start(*words):
@@ -52,24 +47,22 @@ def scheduler(tmp_path):
         started.append(process)
         return process
 
-    start("scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2])
-    wait_for(address)
+    told = tmp_path / "scheduler.json"
+    start("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(told))
+    address = address_in(told)
     yield address, lambda: start("worker", address, "--nthreads", "1", "--no-nanny")
     for process in started:
         process.kill()
         process.wait()
 
 
-def wait_for(address):
-    host, port = address.removeprefix("tcp://").split(":")
-    deadline = time.monotonic() + 60
+def address_in(told):
+    deadline = time.monotonic() + HANGS
     while time.monotonic() < deadline:
         try:
-            socket.create_connection((host, int(port))).close()
-        except OSError:
+            return json.loads(told.read_text())["address"]
+        except (FileNotFoundError, ValueError):  # it is being written
             time.sleep(0.1)
-        else:
-            return
     raise AssertionError("the scheduler does not start")
 
 
@@ -77,21 +70,26 @@ def wait_for_workers(address, count):
     from distributed import Client
 
     with Client(address, set_as_default=False) as client:
-        client.wait_for_workers(count, timeout=60)
+        client.wait_for_workers(count, timeout=HANGS)
 
 
 class Killer(Witness):
-    """Kill a worker, with what it is doing, when the first scan is done."""
+    """Kill a worker, with what it is doing, when the first scan is done; then open the gate."""
 
-    def __init__(self, worker):
+    def __init__(self, worker, gate):
         super().__init__()
-        self.worker, self.children = worker, []
+        self.worker, self.gate, self.children = worker, gate, []
 
     def ended(self, report):
         super().ended(report)
-        if not self.children:
+        if self.gate.exists():
+            return
+        deadline = time.monotonic() + HANGS
+        while not self.children and time.monotonic() < deadline:
+            time.sleep(0.02)
             self.children = psutil.Process(self.worker.pid).children(recursive=True)
-            self.worker.kill()
+        self.worker.kill()
+        self.gate.touch()
 
 
 def bytes_in(folder):
@@ -100,13 +98,18 @@ def bytes_in(folder):
 
 def test_a_worker_that_is_killed_in_the_middle_is_no_end(place, scheduler, monkeypatch):
     address, worker = scheduler
-    monkeypatch.setattr(cluster_module, "PATIENCE", 2.0)
-    with pytest.raises(HostError, match="has no workers"):
-        run_batch(Batch(place / "halve.mlx", [place / "in"], place / "none", scheduler=address))
-    monkeypatch.undo()
-    first, _ = worker(), worker()
+    monkeypatch.setattr(cluster_module, "PATIENCE", HANGS)
+    with monkeypatch.context() as impatient:
+        wait = distributed.Client.wait_for_workers
+        shortly = lambda client, count, timeout: wait(client, count, timeout=0.1)  # noqa: E731
+        impatient.setattr(distributed.Client, "wait_for_workers", shortly)
+        with pytest.raises(HostError, match="has no workers"):
+            run_batch(Batch(place / "halve.mlx", [place / "in"], place / "none", scheduler=address))
+    with monkeypatch.context() as gated:
+        gated.setenv("AWKWARD_GATE", str(place / "gate"))
+        first, _ = worker(), worker()
     wait_for_workers(address, 2)
-    killer = Killer(first)
+    killer = Killer(first, place / "gate")
     report = run_batch(
         Batch(place / "halve.mlx", [place / "in"], place / "far", scheduler=address), killer
     )
@@ -114,7 +117,7 @@ def test_a_worker_that_is_killed_in_the_middle_is_no_end(place, scheduler, monke
     assert report.scans[4].status == "crashed"
     assert any("is gone; its scans are done again by others" in one for one in killer.sentences)
     assert killer.children, "the worker was at work when it was killed"
-    _, alive = psutil.wait_procs(killer.children, timeout=5)
+    _, alive = psutil.wait_procs(killer.children, timeout=HANGS)
     assert all(one.status() == psutil.STATUS_ZOMBIE for one in alive), alive
     near = run_batch(Batch(place / "halve.mlx", [place / "in"], place / "near", jobs=2))
     assert len(near.done) == COUNT - 1
@@ -123,6 +126,14 @@ def test_a_worker_that_is_killed_in_the_middle_is_no_end(place, scheduler, monke
     monkeypatch.setattr(cluster_module, "_here", lambda: here)
     with pytest.raises(HostError, match=r"has meshlab_symrecon \d.*, and here is 9.9"):
         run_batch(Batch(place / "halve.mlx", [place / "in"], place / "new", scheduler=address))
+
+
+def test_dask_keeps_silent_and_gets_its_voice_back():
+    voice = logging.getLogger("distributed.client")
+    before = voice.level
+    with cluster_module._in_silence():
+        assert not voice.isEnabledFor(logging.CRITICAL)
+    assert voice.level == before
 
 
 def test_without_the_extra_the_command_that_installs_it_is_told(place, monkeypatch):
@@ -137,19 +148,38 @@ def test_an_empty_address_starts_no_cluster(address):
         next(cluster_module.on_cluster([], address, print))
 
 
+def test_a_client_that_never_connected_says_nothing_when_it_goes(monkeypatch):
+    """Dask's own would try to close it for seconds, and print a traceback."""
+    closed = []
+    monkeypatch.setattr(distributed.Client, "close", lambda *given, **more: closed.append(given))
+    client = cluster_module._client()
+    client.__new__(client).__del__()
+    assert closed == []
+
+
 class KilledWorker(Exception):
     """As dask's."""
 
 
 class Task:
-    def __init__(self, job, error):
-        self.job, self.error = job, error
-        self.status = "finished" if error is None else "error"
+    """Becomes what its list of states says, one after the other; an error is a state."""
+
+    def __init__(self, job, states):
+        self.job, self.states = job, list(states)
+
+    @property
+    def status(self):
+        return "error" if isinstance(self.states[0], Exception) else self.states[0]
 
     def exception(self):
-        return self.error
+        return self.states[0]
 
     def result(self):
+        if len(self.states) > 1:  # lost while it is fetched; it is waited for
+            del self.states[0]
+            if isinstance(self.states[0], Exception):
+                raise self.states[0]
+            raise ConnectionError(f"it is {self.states[0]}")
         return ScanReport(self.job.shown_scan, str(self.job.output), self.job.name, "done")
 
 
@@ -158,34 +188,105 @@ class Client:
 
     loop = None
 
-    def __init__(self, errors):
-        self.errors, self.cancelled = errors, []
+    def __init__(self, states):
+        self.states, self.submitted, self.cancelled = states, [], []
 
     def ncores(self):
         return {}
 
     def submit(self, function, job, pure):
-        return Task(job, self.errors.get(job.name))
+        self.submitted.append(job.name)
+        return Task(job, self.states.get(job.name, ["finished"]))
 
     def cancel(self, tasks, force):
         self.cancelled += tasks
 
 
-def test_a_scan_that_takes_every_worker_with_it_is_reported(place, monkeypatch):
+class AsCompleted:
+    """Yields tasks; one that is added again has come to its next state by then."""
+
+    def __init__(self, tasks, loop):
+        self.tasks = list(tasks)
+
+    def __iter__(self):
+        while self.tasks:
+            yield self.tasks.pop(0)
+
+    def add(self, task):
+        del task.states[0]
+        self.tasks.append(task)
+
+
+@pytest.fixture
+def done(place, monkeypatch):
+    """Return what comes of three scans, whose tasks are in these states one after the other."""
     scans = [place / "in" / f"s{number}.ply" for number in range(3)]
     jobs = planned(Batch(place / "halve.mlx", scans, place / "lost", jobs=1)).jobs
     monkeypatch.setattr(
-        cluster_module,
-        "_distributed",
-        lambda: SimpleNamespace(as_completed=lambda tasks, loop: tasks),
+        cluster_module, "_distributed", lambda: SimpleNamespace(as_completed=AsCompleted)
     )
-    killed = Client({"s1.ply": KilledWorker("gone\n thrice")})
-    reports = list(cluster_module._done(killed, jobs, print))
+
+    def done(client):
+        return jobs, list(cluster_module._done(client, "tcp://a:1", jobs, print))
+
+    return done
+
+
+def test_a_scan_that_takes_every_worker_with_it_is_reported(done):
+    jobs, reports = done(Client({"s1.ply": [KilledWorker("gone\n thrice")]}))
     assert [one.status for one in reports] == ["done", "killed", "done"]
     assert "every worker that took it was ended: gone thrice; when" in reports[1].error
-    assert reports[1].input_sha256 == sha256_of(scans[1])
+    assert reports[1].input_sha256 == sha256_of(jobs[1].scan)
     assert reports[1].work_sha256 == jobs[1].work.sha256
-    broken = Client({"s1.ply": ValueError("odd")})
-    with pytest.raises(HostError, match=r"s1\.ply: the cluster has given it up: odd; look at its"):
-        list(cluster_module._done(broken, jobs, print))
-    assert len(broken.cancelled) == 3
+
+
+@pytest.mark.parametrize(
+    "states",
+    [
+        ["lost", "finished"],
+        ["lost", "lost", "finished"],
+        ["finished", "lost", "finished"],  # lost while it was fetched
+        ["finished", "pending", "finished"],
+    ],
+)
+def test_a_report_that_is_lost_with_its_worker_is_waited_for(done, states):
+    client = Client({"s1.ply": states})
+    _, reports = done(client)
+    assert [(one.name, one.status) for one in reports] == [
+        (name, "done") for name in ("s0.ply", "s2.ply", "s1.ply")
+    ]
+    assert client.submitted == ["s0.ply", "s1.ply", "s2.ply"]  # by us once
+
+
+def test_a_lost_report_that_takes_every_worker_with_it_is_reported(done):
+    for states in (["lost", KilledWorker("gone")], ["finished", KilledWorker("gone")]):
+        _, reports = done(Client({"s1.ply": states}))
+        assert sorted(one.status for one in reports) == ["done", "done", "killed"]
+
+
+@pytest.mark.parametrize(
+    ("states", "why"),
+    [
+        ([ValueError("odd")], "odd"),
+        (["finished", ValueError("odd")], "odd"),
+        (["cancelled"], "cancelled"),
+        (["lost", "cancelled"], "cancelled"),
+        (["finished", "cancelled"], "it is cancelled"),
+    ],
+)
+def test_what_the_scheduler_gives_up_ends_the_batch(done, states, why):
+    client = Client({"s1.ply": states})
+    with pytest.raises(HostError, match=rf"s1\.ply: the cluster has given it up: {why}; look at"):
+        done(client)
+    assert len(client.cancelled) == 3
+
+
+def test_a_scheduler_that_goes_ends_the_batch(done):
+    client = Client({})
+
+    def gone(*given, **more):
+        raise OSError("timed out")
+
+    client.ncores = client.cancel = gone
+    with pytest.raises(HostError, match=r"the dask scheduler at tcp://a:1 is gone; start it"):
+        done(client)

@@ -69,6 +69,10 @@ def test_zeros_after_a_loss_of_power_are_removed(tmp_path):
         b"# a note", b"{}", b"[1, 2]", b"null", b"\xff\xfe", b'{"scan": 1}', b"[" * 100_000,
         json.dumps(SECOND.as_data() | {"limits": 3}).encode(),
         json.dumps(SECOND.as_data() | {"name": None}).encode(),
+        json.dumps(SECOND.as_data() | {"seconds": "long"}).encode(),
+        json.dumps(SECOND.as_data() | {"measures": [1]}).encode(),
+        json.dumps(SECOND.as_data() | {"steps": [1]}).encode(),
+        json.dumps(SECOND.as_data() | {"peak_memory_bytes": "much"}).encode(),
     ],
 )  # fmt: skip
 def test_other_lines_are_kept_and_passed_over(tmp_path, line):
@@ -77,10 +81,25 @@ def test_other_lines_are_kept_and_passed_over(tmp_path, line):
     path.write_bytes(line + b"\n" + whole + line)
     reports, passed_over = read(path)
     assert [report.name for report in reports] == ["a.ply"]
-    assert passed_over == 2 - (line.startswith(b'{"scan": '))  # at the end it looks like a half one
+    assert passed_over == 2 - line.startswith(b'{"scan": "')  # at the end it looks like a half one
     assert path.read_bytes().startswith(line + b"\n" + whole)
     written(path, SECOND)
     assert [report.name for report in read(path)[0]] == ["a.ply", "b.ply"]
+
+
+def test_a_damaged_line_is_passed_over_and_what_is_not_known_is_left_out(tmp_path):
+    """A block was lost within the first line; the second is of an older version of ours."""
+    path = written(tmp_path / "batch.jsonl", FIRST, SECOND)
+    first, second = path.read_bytes().splitlines(keepends=True)
+    older = json.loads(second)
+    del older["output_files"], older["points"]
+    older |= {"measures": None, "word": 1}
+    path.write_bytes(first[:60] + first)  # glued to the next
+    assert [len(read(path)[0]), read(path)[1]] == [0, 1]
+    path.write_bytes(first[:40] + bytes(300) + b"\n" + json.dumps(older).encode() + b"\n")
+    (report,), passed_over = read(path)
+    assert passed_over == 1
+    assert (report.name, report.measures, report.output_files) == ("b.ply", {}, {})
 
 
 @pytest.mark.parametrize(
@@ -153,3 +172,12 @@ def _twice_then_full(write):
 def test_a_log_that_cannot_be_opened_is_told(tmp_path):
     with pytest.raises(FileError, match=r"the log .* cannot be opened"):
         read(tmp_path)
+
+
+def test_a_log_that_cannot_be_locked_is_told(tmp_path, monkeypatch):
+    def refused(*given):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("fcntl.flock", refused)
+    with pytest.raises(FileError, match="cannot be locked: No locks available; give a path on"):
+        read(tmp_path / "batch.jsonl")

@@ -46,9 +46,11 @@ def test_templates(template, expected):
         ("{stem:>9}.ply", "unknown field"),
         ("{}.ply", "unknown field"),
         ("{stem.ply", "cannot be read"),
-        ("{number:x.y}.ply", "cannot be filled in"),
+        ("{number:x.y}.ply", "'x.y' is no width of up to 99"),
+        ("{number:099999999}.ply", "is no width of up to 99"),  # gigabytes
+        ("{number:{stem}}.ply", "is no width of up to 99"),  # a scan's name may be a number
         ("../{stem}.ply", "not inside of the folder"),
-        ("/tmp/{stem}.ply", "not inside of the folder"),
+        ("/elsewhere/{stem}.ply", "not inside of the folder"),
         ("", "not inside of the folder"),
         (".{stem}.ply", "hidden"),
         ("{stem}.pdf", "'.pdf', which cannot be written"),

@@ -21,7 +21,8 @@ from meshlab_symrecon.batch.plan import planned
 from meshlab_symrecon.batch.resumption import standing
 from meshlab_symrecon.batch.supervision import _fields, supervised
 from meshlab_symrecon.errors import HostError
-from meshlab_symrecon.host.isolation import TIMED_OUT, Ending
+from meshlab_symrecon.host.child_watch import TIMED_OUT
+from meshlab_symrecon.host.isolation import Ending
 from meshlab_symrecon.host.versions import versions_of_results
 
 CRASHES, SWELLS, GRASPS, DIVIDES, SLEEPS = 77, 78, 79, 80, 81
@@ -41,8 +42,14 @@ def job(tmp_path, script):
 
 def children():
     """Return the processes that work on scans; joblib's workers of other tests wait a while."""
-    found = psutil.Process().children()
-    return [one for one in found if one.is_running() and "isolated_child" in str(one.cmdline())]
+
+    def works(process):
+        try:
+            return "isolated_child" in str(process.cmdline())
+        except psutil.Error:  # it has just ended
+            return False
+
+    return [one for one in psutil.Process().children() if works(one)]
 
 
 def left_in(folder):
@@ -64,6 +71,21 @@ def test_a_good_scan(tmp_path, job):
     assert one.scan.read_bytes() == before
     assert left_in(tmp_path / "out") == ["60.ply"]
     assert supervised(one).output_sha256 == report.output_sha256
+
+
+def test_names_that_meshlab_cannot_take(tmp_path, job):
+    """They are told before the work, and called as the user called them."""
+    one = job(60)
+    odd = os.fsdecode(b"\xff")
+    there, shown = tmp_path / odd / "x.ply", f"{odd}/x.ply"
+    there.parent.mkdir()
+    written = supervised(replace(one, output=there, shown_output=shown))
+    assert written.status == "failed"
+    assert written.error.startswith(f"{shown} cannot be written: this name, or that of a folder")
+    there.write_bytes(one.scan.read_bytes())
+    read = supervised(replace(one, scan=there, shown_scan=shown))
+    assert read.status == "failed"
+    assert read.error.startswith(f"{shown} cannot be read: its name is not UTF-8")
 
 
 @pytest.mark.parametrize(

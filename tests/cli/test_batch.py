@@ -84,6 +84,11 @@ def test_reconstruct_is_the_whole_method(place, statue, run):
         ((), 2, "Missing"),
         (("halve.mlx", "in"), 2, "Missing option '-d'"),
         (("halve.mlx", "in", "-d", "out", "--jobs", "0"), 2, "--jobs"),
+        (("halve.mlx", "in", "-d", "out", "--time-limit", "0"), 2, "--time-limit"),
+        (("halve.mlx", "in", "-d", "out", "--time-limit", "nan"), 2, "number above zero; got nan"),
+        (("halve.mlx", "in", "-d", "out", "--time-limit", "inf"), 2, "number above zero; got inf"),
+        (("halve.mlx", "in", "-d", ""), 1, "error: the folder of the results has no name"),
+        (("in", "in", "-d", "out"), 1, "error: script in cannot be read: Is a directory"),
         (("halve.mlx", "in", "-d", "out", "--memory-limit", "much"), 2, "is no size of memory"),
         (("halve.mlx", "in", "-d", "out", "--seed", "1"), 2, "are for reconstruct"),
         (("reconstruct", "in", "-d", "out", "--strict"), 2, "are for scripts"),
@@ -120,8 +125,8 @@ def test_names_that_no_line_can_show(place, run):
         "1.ply", "2.ply", "batch.jsonl"
     ]  # fmt: skip
     assert "[2/3] done in/b\\nof\\x1b[31m.off: " in done.stderr
-    sentence = "in/\\udcff.off: this name, or that of a folder above, is not in UTF-8, which"
-    assert f"[3/3] failed {sentence} MeshLab needs; rename it" in done.stderr
+    sentence = "in/\\udcff.off cannot be read: its name is not UTF-8, and MeshLab takes no other"
+    assert f"[3/3] failed {sentence}; rename it" in done.stderr
     assert len(done.stderr.splitlines()) == 4
     rows = done.stdout.splitlines()
     assert [row.split()[0] for row in rows] == [

@@ -17,7 +17,7 @@ import meshlab_symrecon
 from meshlab_symrecon.cli.filter_pages import filter_page, index_page, write_pages
 from meshlab_symrecon.cli.main import main
 from meshlab_symrecon.errors import FileError, SymReconWarning
-from meshlab_symrecon.host.mlx import read_script
+from meshlab_symrecon.host.mlx_reading import read_script
 from meshlab_symrecon.host.resolution import resolve_script
 from meshlab_symrecon.host.steps import registry
 from meshlab_symrecon.plugin import ParameterSet

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-import signal
+import os
 import subprocess
 import sys
-import time
 
 import click
 import pytest
@@ -94,7 +93,7 @@ def test_help_needs_no_heavy_imports():
 
 
 INTERRUPTED = """
-import sys, time
+import os, signal, sys, time
 from meshlab_symrecon.cli import reconstruct
 from meshlab_symrecon.cli.main import main
 from meshlab_symrecon.host import files, reconstruction
@@ -103,7 +102,7 @@ real = files.write_layer
 
 def slow(*given, **more):
     real(*given, **more)
-    print("writing", flush=True)
+    os.kill(os.getpid(), signal.SIGINT)
     time.sleep(60)
 
 files.write_layer = slow
@@ -117,14 +116,21 @@ main(sys.argv[1:])
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Posix")
 def test_interruption_leaves_nothing_half_written(statue, tmp_path):
     command = [sys.executable, "-c", INTERRUPTED, "reconstruct", statue, "-o", tmp_path / "a.ply"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert process.stdout.readline() == "writing\n"
-    time.sleep(0.1)  # into the sleep
-    process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=30)
-    assert process.returncode == 130
-    assert said == "interrupted; nothing was left half-written\n"
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ended.returncode == 130
+    assert ended.stderr == "interrupted; nothing was left half-written\n"
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("language", ["C", "POSIX"])
+def test_names_of_files_are_utf_8_in_any_language(tmp_path, language):
+    start = "from meshlab_symrecon.cli.start import symrecon; symrecon()"
+    words = ["apply", "create_cube", "-o", "größe.ply"]
+    environment = os.environ | {"LC_ALL": language}
+    command = [sys.executable, "-c", start, *words]
+    ended = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert [path.name for path in tmp_path.iterdir()] == ["größe.ply"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes of Posix")

@@ -11,7 +11,7 @@ import pymeshlab
 import pytest
 
 import meshlab_symrecon
-from meshlab_symrecon.cli import reconstruct as command
+from meshlab_symrecon.cli import reconstruct_outputs
 from meshlab_symrecon.errors import GeometryError
 from meshlab_symrecon.host import reconstruction
 from meshlab_symrecon.host.files import load
@@ -236,7 +236,9 @@ def test_the_preview_gets_every_layer(run, request, tmp_path, monkeypatch, name)
 def test_a_missing_library_is_named_first(
     run, statue, tmp_path, monkeypatch, option, name, library
 ):
-    monkeypatch.setattr(command, "find_spec", lambda asked: None if asked == library else asked)
+    monkeypatch.setattr(
+        reconstruct_outputs, "find_spec", lambda asked: None if asked == library else asked
+    )
     monkeypatch.setattr(
         reconstruction, "whole_method", lambda *given, **more: pytest.fail("the work started")
     )

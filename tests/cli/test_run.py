@@ -11,7 +11,7 @@ import pytest
 
 from meshlab_symrecon.host.files import load
 from meshlab_symrecon.host.meshset import read_layer
-from meshlab_symrecon.host.mlx import read_script
+from meshlab_symrecon.host.mlx_reading import read_script
 from meshlab_symrecon.host.projects import load_project
 from meshlab_symrecon.host.registration import registry
 from meshlab_symrecon.host.resolution import resolve_script

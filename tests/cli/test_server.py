@@ -13,9 +13,10 @@ import pytest
 from meshlab_symrecon import __version__
 from meshlab_symrecon.cli.server import main
 from meshlab_symrecon.cli.server_job import FLAGS
-from meshlab_symrecon.host.files import READABLE, load, new_document
+from meshlab_symrecon.host.files import load, new_document
 from meshlab_symrecon.host.mask import SAVED
 from meshlab_symrecon.host.native_filters import native_filters
+from meshlab_symrecon.host.paths import READABLE
 from meshlab_symrecon.host.projects import load_project
 
 HEAD = "<!DOCTYPE FilterScript>\n<FilterScript>\n"

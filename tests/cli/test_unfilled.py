@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from meshlab_symrecon.cli.deviation import Deviation
-from meshlab_symrecon.cli.reconstruct import in_words
+from meshlab_symrecon.cli.reconstruct_findings import in_words
 from meshlab_symrecon.cli.report import scene_of
 from meshlab_symrecon.cli.report_words import words_of
 from meshlab_symrecon.cli.unfilled import holes, left_alone, place, width

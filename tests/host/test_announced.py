@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import struct
 
 import numpy as np
@@ -166,6 +167,14 @@ def test_the_least_bytes_are_enough(tmp_path, form, size):
     path.write_bytes(heads(1000)[name] + b"0 " * (size // 2) + b"0" * (size % 2))
     assert announced_points(path) == Announced(1000)
     path.write_bytes(path.read_bytes()[:-1])
+    assert announced_points(path) is None
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no such pipes")
+@pytest.mark.parametrize("extension", ["ply", "off", "stl", "obj", "e57", "gltf", "glb", "xyz"])
+def test_nobody_waits_for_a_pipe(tmp_path, extension):
+    path = tmp_path / f"a.{extension}"
+    os.mkfifo(path)
     assert announced_points(path) is None
 
 

@@ -12,7 +12,7 @@ import pytest
 from meshlab_symrecon.host.checking import check_document, check_script
 from meshlab_symrecon.host.document_state import UNKNOWN_LAYER, DocumentState, LayerState
 from meshlab_symrecon.host.findings import ERROR, NOTE, REMARK, SKIP
-from meshlab_symrecon.host.mlx import read_script
+from meshlab_symrecon.host.mlx_reading import read_script
 from meshlab_symrecon.host.native_filters import native_filters
 
 CLOUD = LayerState({"points": True, "faces": False, "edges": False}, "scan.ply", 500)

@@ -9,7 +9,8 @@ import pytest
 from meshlab_symrecon.host.explanation import explained
 from meshlab_symrecon.host.filter_script import FilterScript
 from meshlab_symrecon.host.filter_words import BEGINNINGS, sentence_of
-from meshlab_symrecon.host.mlx import Step, read_script
+from meshlab_symrecon.host.mlx import Step
+from meshlab_symrecon.host.mlx_reading import read_script
 from meshlab_symrecon.host.native_filters import native_filters
 from meshlab_symrecon.host.resolution import matched
 

@@ -17,22 +17,16 @@ import pytest
 
 from meshlab_symrecon.arrays import as_points
 from meshlab_symrecon.errors import FileError, SymReconError, SymReconWarning
-from meshlab_symrecon.host import files
 from meshlab_symrecon.host.atomic import (
     remove_dead_staging,
     replacing,
     same_file,
     together,
 )
-from meshlab_symrecon.host.files import (
-    READABLE,
-    WRITABLE,
-    check_output,
-    load,
-    new_document,
-    save_current,
-)
+from meshlab_symrecon.host.files import load, new_document, save_current
+from meshlab_symrecon.host.formats import FACES_ONLY, POINTS_ONLY, WRITABLE
 from meshlab_symrecon.host.meshset import add_layer, read_layer
+from meshlab_symrecon.host.paths import READABLE
 from meshlab_symrecon.host.projects import save_project
 from meshlab_symrecon.plugin import Layer
 
@@ -241,7 +235,7 @@ def test_absent_attributes_are_not_written(tmp_path):
 @pytest.mark.parametrize("extension", WRITABLE)
 def test_every_known_format_is_written_whole(tmp_path, extension):
     path = tmp_path / f"a.{extension}"
-    if extension in files.POINTS_ONLY:
+    if extension in POINTS_ONLY:
         with pytest.warns(SymReconWarning, match="holds points only, so 4 faces were left out"):
             save_current(document(bare()), path)
     else:
@@ -252,17 +246,17 @@ def test_every_known_format_is_written_whole(tmp_path, extension):
         mesh_set = load(path)
         mesh = mesh_set.current_mesh()
         assert mesh.vertex_number() == 4
-        assert mesh.face_number() == (0 if extension in files.POINTS_ONLY else 4)
+        assert mesh.face_number() == (0 if extension in POINTS_ONLY else 4)
 
 
-@pytest.mark.parametrize("extension", sorted(set(WRITABLE) - set(files.POINTS_ONLY)))
+@pytest.mark.parametrize("extension", sorted(set(WRITABLE) - set(POINTS_ONLY)))
 def test_writing_leaves_the_locale_of_the_process_alone(tmp_path, extension):
     before = locale.setlocale(locale.LC_ALL)
     save_current(document(bare()), tmp_path / f"a.{extension}")
     assert locale.setlocale(locale.LC_ALL) == before
 
 
-@pytest.mark.parametrize("extension", files.FACES_ONLY)
+@pytest.mark.parametrize("extension", FACES_ONLY)
 def test_formats_of_faces_refuse_clouds(tmp_path, extension):
     path = tmp_path / f"a.{extension}"
     with pytest.raises(FileError, match="holds faces only, and 40 points belong to no face"):
@@ -293,34 +287,6 @@ def test_saving_leaves_the_document_as_it_was(tmp_path):
     assert mesh_set.current_mesh_id() == 0
     assert [mesh.label() for mesh in mesh_set] == ["cloud", "solid"]
     assert np.array_equal(read_layer(mesh_set, 0).points, cloud().points)
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("a.abc", "extension '.abc', which cannot be written; known are ply, obj"),
-        ("a", "no extension"),
-        ("none/a.ply", "no directory is at"),
-        ("folder.ply", "is not an ordinary file"),
-        ("in.ply", "would overwrite"),
-        ("./../{here}/in.ply", "would overwrite"),
-        ("link.ply", "would overwrite"),
-        ("a\0.ply", "cannot be written"),
-    ],
-)
-def test_outputs_are_refused_before_any_work(tmp_path, name, words):
-    (tmp_path / "folder.ply").mkdir()
-    (tmp_path / "in.ply").write_text("scan")
-    (tmp_path / "link.ply").symlink_to("in.ply")
-    path = tmp_path / name.format(here=tmp_path.name)
-    with pytest.raises(FileError, match=words):
-        check_output(path, [tmp_path / "other.ply", tmp_path / "in.ply"])
-    assert (tmp_path / "in.ply").read_text() == "scan"
-
-
-def test_devices_are_refused():
-    with pytest.raises(FileError, match="is not an ordinary file"):
-        check_output("/dev/null", known=())
 
 
 def test_an_empty_document_cannot_be_saved(tmp_path):

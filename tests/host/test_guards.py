@@ -9,8 +9,8 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from meshlab_symrecon.errors import GeometryError, HostError, ParameterError, SymReconWarning
-from meshlab_symrecon.host.guards import EMPTY_CLOUDS, NEED_TWO_LAYERS
+from meshlab_symrecon.errors import GeometryError, HostError, ParameterError
+from meshlab_symrecon.host.layer_guards import NEED_TWO_LAYERS
 from meshlab_symrecon.host.native_filters import apply_native, find_native, native_filters
 from meshlab_symrecon.host.shape_guards import FATAL_WITH_NAN
 from meshlab_symrecon.host.value_limits import ABOVE_ZERO, LEAST, MOST, NOT_ZERO
@@ -162,28 +162,6 @@ def test_the_layers_that_need_points_are_those_that_are_named(cloud_set, points)
         )
 
 
-@pytest.mark.parametrize("name", sorted(EMPTY_CLOUDS))
-def test_a_cleaning_step_that_would_delete_a_cloud_is_skipped(cloud_set, points, name):
-    menu = find_native(name).menu_name
-    with pytest.warns(SymReconWarning, match="was skipped: layer 'scan' has no faces") as caught:
-        assert apply_native(cloud_set, menu, {}) == {}
-    assert caught[0].filename == __file__
-    np.testing.assert_array_equal(cloud_set.current_mesh().vertex_matrix(), points)
-
-
-@pytest.mark.parametrize("name", sorted(EMPTY_CLOUDS))
-def test_pymeshlab_itself_does_delete_the_cloud(cloud_set, name):
-    """When this fails, the guard is no longer needed."""
-    cloud_set.apply_filter(name)
-    assert cloud_set.current_mesh().vertex_number() == 0
-
-
-def test_cleaning_steps_run_on_meshes(cloud_set):
-    cloud_set.create_cube()
-    apply_native(cloud_set, "meshing_remove_unreferenced_vertices", {})
-    assert cloud_set.current_mesh().vertex_number() == 8
-
-
 def test_shares_of_a_box_are_refused_when_a_point_is_not_finite(points):
     points[3, 1] = np.nan
     mesh_set = pymeshlab.MeshSet(verbose=False)
@@ -194,14 +172,6 @@ def test_shares_of_a_box_are_refused_when_a_point_is_not_finite(points):
         apply_native(mesh_set, "meshing_merge_close_vertices", {})
     apply_native(mesh_set, "meshing_merge_close_vertices", {"threshold": 1e-9})
     apply_native(mesh_set, "compute_selection_by_condition_per_vertex", {"condselect": "y != y"})
-
-
-def test_a_repair_that_would_delete_a_cloud_is_skipped(cloud_set, points):
-    name, menu = "meshing_repair_non_manifold_edges", "'Repair non Manifold Edges' was skipped"
-    with pytest.warns(SymReconWarning, match=menu):
-        apply_native(cloud_set, name, {"method": "Split Vertices"})
-    apply_native(cloud_set, name, {"method": "Remove Faces"})
-    np.testing.assert_array_equal(cloud_set.current_mesh().vertex_matrix(), points)
 
 
 @pytest.mark.parametrize("preclean", [True, False])

@@ -19,9 +19,10 @@ from hypothesis.extra.numpy import arrays
 from meshlab_symrecon.cli.main import main
 from meshlab_symrecon.errors import FileError, ScriptError, SymReconWarning
 from meshlab_symrecon.host import inspection_obj, inspection_trial, number_lines
-from meshlab_symrecon.host.files import check_input, load, new_document, save_current
+from meshlab_symrecon.host.files import load, new_document, save_current
 from meshlab_symrecon.host.inspection import inspect
-from meshlab_symrecon.host.mlx import read_script
+from meshlab_symrecon.host.mlx_reading import read_script
+from meshlab_symrecon.host.paths import check_input
 from meshlab_symrecon.host.project_files import read_project
 from meshlab_symrecon.host.reconstruction import whole_method
 
@@ -413,7 +414,7 @@ def test_points_come_back_to_the_last_bit(tmp_path_factory, name):
     }[name]
     path = tmp_path_factory.mktemp("round") / name
 
-    @settings(max_examples=25, derandomize=True, deadline=None)
+    @settings(max_examples=25)
     @given(coordinates)
     def back(points):
         path.write_bytes(write(points))
@@ -574,7 +575,14 @@ def stopped(tmp_path, monkeypatch, source):
     program += f"def points(file, shown):\n    {source}\n"
     program += "trial._points = points\ntrial.main()\n"
     monkeypatch.setattr(inspection_trial, "CHILD", program)
-    inspection_trial.try_in_child(path)
+    return inspection_trial.try_in_child(path)
+
+
+def test_the_trial_asks_for_no_addresses_for_threads(tmp_path, monkeypatch):
+    """Each core's would take 40 MB of those that the limit leaves."""
+    source = "import os; return int(os.environ['OPENBLAS_NUM_THREADS'] == '1') * 7"
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "64")
+    assert stopped(tmp_path, monkeypatch, source) == 7
 
 
 def test_a_reader_that_hangs_is_stopped(tmp_path, monkeypatch):
@@ -655,7 +663,7 @@ def test_an_input_with_an_impossible_name(tmp_path):
 
 
 def test_a_script_without_an_end(monkeypatch):
-    monkeypatch.setattr("meshlab_symrecon.host.mlx.LARGEST", 1 << 20)
+    monkeypatch.setattr("meshlab_symrecon.host.mlx_reading.LARGEST", 1 << 20)
     with pytest.raises(ScriptError, match="/dev/zero:1: a filter script has at most 1 MB"):
         read_script("/dev/zero")
 

@@ -16,6 +16,7 @@ from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host import interruption
 from meshlab_symrecon.host.atomic import replacing, together
 from meshlab_symrecon.host.interruption import (
+    GRACE,
     SENTENCE,
     Interruption,
     guard_folder,
@@ -27,23 +28,22 @@ from meshlab_symrecon.host.interruption import (
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of Posix")
 
+HANGS = 60  # seconds after which a process will never end, on a busy machine, too
 BUSY = """
-import collections, itertools, os, sys, tempfile, time
+import collections, functools, itertools, os, sys, tempfile, time
 from pathlib import Path
 from meshlab_symrecon.host.atomic import replacing, together
 from meshlab_symrecon.host.interruption import Interruption, interruptible
 out = Path(sys.argv[1])
 
-def counted(count):
-    # native code that holds the interpreter's lock and looks at no signal
-    collections.deque(itertools.repeat(None, count), maxlen=0)
+def stuck(then=itertools.repeat(None)):
+    # One loop of native code that looks at no signal; its first step says that it has begun.
+    collections.deque(itertools.chain(map(os.write, [1], [b"stuck\\n"]), then), maxlen=0)
 
-def stuck(seconds=60.0):
-    began = time.perf_counter()
-    counted(5_000_000)
-    count = int(5_000_000 * seconds / (time.perf_counter() - began))
-    print("stuck", flush=True)
-    counted(count)
+def stuck_for_a_while():
+    # until there is a file
+    there = functools.partial(os.access, out.with_name("go on"), os.F_OK)
+    stuck(iter(there, True))
 """
 STUCK = {
     "while it writes": """
@@ -59,9 +59,9 @@ with interruptible(), tempfile.TemporaryDirectory() as folder:
     "and swallows the exception": """
 with interruptible(), replacing(out / "a.ply") as staged:
     staged.write_bytes(b"half")
-    print("stuck", flush=True)
     while True:
         try:
+            print("stuck", flush=True)
             time.sleep(60)
         except KeyboardInterrupt:
             pass
@@ -104,12 +104,16 @@ def start(tmp_path):
             for number in ignored:
                 default = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
                 signal.signal(number, default)
+        started.append(process)
         assert process.stdout.readline() == "stuck\n"
-        time.sleep(0.1)
         return process
 
-    call.out, call.temporary = out, temporary
-    return call
+    started = []
+    call.out, call.temporary, call.go_on = out, temporary, tmp_path / "go on"
+    yield call
+    for process in started:
+        process.kill()
+        process.communicate()
 
 
 @pytest.mark.parametrize("program", STUCK.values(), ids=STUCK)
@@ -119,7 +123,7 @@ def test_stuck_native_code_is_ended_and_leaves_nothing(start, program, number):
     old.write_bytes(b"old")
     process = start(program)
     process.send_signal(number)
-    _, said = process.communicate(timeout=10)
+    _, said = process.communicate(timeout=HANGS)
     assert process.returncode == 128 + number
     assert said == f"{SENTENCE}\n"
     assert [path.name for path in start.out.iterdir()] == ["a.ply"]
@@ -132,17 +136,19 @@ def test_impatience_changes_nothing(start):
     for _ in range(5):
         process.send_signal(signal.SIGINT)
         time.sleep(0.02)
-    _, said = process.communicate(timeout=10)
+    _, said = process.communicate(timeout=HANGS)
     assert (process.returncode, said) == (130, f"{SENTENCE}\n")
     assert list(start.out.iterdir()) == []
 
 
 def test_ignored_signals_stay_ignored(start):
-    program = STUCK["while it writes"].replace("stuck()", "stuck(1.5)")
+    program = STUCK["while it writes"].replace("stuck()", "stuck_for_a_while()")
     process = start(program, ignored=[signal.SIGHUP, signal.SIGINT])
     process.send_signal(signal.SIGHUP)
     process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=20)[1] == ""
+    time.sleep(2 * GRACE)
+    start.go_on.touch()
+    assert process.communicate(timeout=HANGS)[1] == ""
     assert process.returncode == 0
     assert (start.out / "a.ply").read_bytes() == b"half"
 
@@ -154,7 +160,7 @@ real = Path.replace
 def slow(self, target):
     result = real(self, target)
     if self.name == "a.ply":
-        stuck(1.2)
+        stuck_for_a_while()
     return result
 Path.replace = slow
 try:
@@ -166,7 +172,9 @@ except Interruption as error:
     sys.exit(error.number + 40)
 """)
     process.send_signal(signal.SIGINT)
-    process.communicate(timeout=10)
+    time.sleep(2 * GRACE)
+    start.go_on.touch()
+    process.communicate(timeout=HANGS)
     assert process.returncode in (130, 42)
     assert {path.name: path.read_bytes() for path in start.out.iterdir()} == {
         "a.ply": b"new", "b.json": b"new",
@@ -199,11 +207,11 @@ def test_children_end_too(start, tmp_path):
     child = int((start.out / "pid").read_text())
     assert is_running(child)
     process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=10)
+    _, said = process.communicate(timeout=HANGS)
     assert (process.returncode, said) == (130, f"{SENTENCE}\n")
     assert [path.name for path in start.out.iterdir()] == ["pid"]
     assert list(start.temporary.iterdir()) == []
-    assert not is_running(child)
+    assert_gone(child)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children at once")
@@ -213,9 +221,14 @@ def test_a_child_ends_with_a_killed_parent(start, tmp_path):
     child = int((start.out / "pid").read_text())
     assert is_running(child)
     process.kill()
-    process.communicate(timeout=10)
-    until = time.monotonic() + 10
-    while is_running(child):
+    process.communicate(timeout=HANGS)
+    assert_gone(child)
+
+
+def assert_gone(process):
+    """Wait for the end of a process that has been killed; that takes the system a moment."""
+    until = time.monotonic() + HANGS
+    while is_running(process):
         assert time.monotonic() < until, "the child lives on"
         time.sleep(0.02)
 
@@ -269,14 +282,16 @@ def test_work_with_many_children_may_take_its_time(start):
     process = start("""
 from meshlab_symrecon.host.interruption import unhurried
 try:
-    with interruptible(), unhurried(20.0):
-        stuck(1.5)
+    with interruptible(), unhurried(600.0):
+        stuck_for_a_while()
 except Interruption:
     print("tidied up")
     sys.exit(3)
 """)
     process.send_signal(signal.SIGINT)
-    told, said = process.communicate(timeout=20)
+    time.sleep(2 * GRACE)
+    start.go_on.touch()
+    told, said = process.communicate(timeout=HANGS)
     assert (process.returncode, told, said) == (3, "tidied up\n", "")
 
 

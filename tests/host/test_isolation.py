@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sys
 import warnings
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 import survival_inputs as inputs
 
 from meshlab_symrecon.errors import FileError, HostError, ScriptError, SymReconWarning
+from meshlab_symrecon.host import isolated_child
 from meshlab_symrecon.host.atomic import remove_staging, replacing
 from meshlab_symrecon.host.file_job import Manner, run_on_files
 from meshlab_symrecon.host.files import load
@@ -108,6 +110,22 @@ def test_errors_and_warnings_of_the_child_are_ours(tmp_path, sphere):
         run_on_files(script_of(tmp_path, HALVE), [sphere], tmp_path / "out.xyz", **HOW)
     assert [one.category for one in caught] == [SymReconWarning]
     assert "holds points only" in str(caught[0].message)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the limit is one of Linux")
+def test_many_cores_leave_a_child_its_memory(monkeypatch):
+    """BLAS maps memory for a thread of each core, which nothing touches."""
+    import resource
+
+    set_limits = []
+    monkeypatch.setattr(resource, "setrlimit", lambda what, limits: set_limits.append(limits[0]))
+    monkeypatch.setattr(resource, "getrlimit", lambda what: (-1, resource.RLIM_INFINITY))
+    for cores in (1, 64):
+        monkeypatch.setattr(isolated_child.os, "cpu_count", lambda cores=cores: cores)
+        isolated_child._bound(400 << 20)
+    few, many = set_limits
+    assert 400 << 20 < few < 1 << 30
+    assert many - few > 63 * 2 * (40 << 20)  # numpy's and scipy's
 
 
 def test_only_what_the_crashed_process_staged_is_removed(tmp_path):

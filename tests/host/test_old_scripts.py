@@ -15,7 +15,8 @@ from meshlab_symrecon.host import registration
 from meshlab_symrecon.host.current_layer import KEPT
 from meshlab_symrecon.host.explanation import explained
 from meshlab_symrecon.host.meshset import attribute_names
-from meshlab_symrecon.host.mlx import read_script, write_script
+from meshlab_symrecon.host.mlx_reading import read_script
+from meshlab_symrecon.host.mlx_writing import write_script
 from meshlab_symrecon.host.native_only import checked_for_the_window
 from meshlab_symrecon.host.python_script import python_script
 from meshlab_symrecon.host.resolution import matched, resolve_script

@@ -11,7 +11,9 @@ import pytest
 
 from meshlab_symrecon.errors import ScriptError
 from meshlab_symrecon.host.findings import ERROR, IGNORE, NOTE, SKIP
-from meshlab_symrecon.host.mlx import Param, Script, Step, read_script, write_script
+from meshlab_symrecon.host.mlx import Param, Script, Step
+from meshlab_symrecon.host.mlx_reading import read_script
+from meshlab_symrecon.host.mlx_writing import write_script
 from meshlab_symrecon.host.native_filters import find_native, native_filters
 from meshlab_symrecon.host.native_values import checked_value
 from meshlab_symrecon.host.resolution import matched, resolve_script

@@ -18,7 +18,9 @@ from meshlab_symrecon.errors import (
     UnknownFilterError,
 )
 from meshlab_symrecon.host import filter_names, resolution
-from meshlab_symrecon.host.mlx import read_script, step_of, write_script
+from meshlab_symrecon.host.mlx import step_of
+from meshlab_symrecon.host.mlx_reading import read_script
+from meshlab_symrecon.host.mlx_writing import write_script
 from meshlab_symrecon.host.native_filters import (
     find_native,
     native_filters,

@@ -15,7 +15,8 @@ from meshlab_symrecon.errors import FileError, ScriptError, SymReconWarning
 from meshlab_symrecon.host import exact_steps, history, registration
 from meshlab_symrecon.host.filter_script import FilterScript
 from meshlab_symrecon.host.history import read_history
-from meshlab_symrecon.host.mlx import Step, read_script
+from meshlab_symrecon.host.mlx import Step
+from meshlab_symrecon.host.mlx_reading import read_script
 from meshlab_symrecon.host.resolution import resolve_script
 from meshlab_symrecon.host.script_history import recorded_script
 

@@ -9,7 +9,9 @@ import pytest
 from meshlab_symrecon.errors import ScriptError
 from meshlab_symrecon.host.explanation import explained
 from meshlab_symrecon.host.filter_script import FilterScript
-from meshlab_symrecon.host.mlx import Param, Step, read_script, script_text, write_script
+from meshlab_symrecon.host.mlx import Param, Step
+from meshlab_symrecon.host.mlx_reading import read_script
+from meshlab_symrecon.host.mlx_writing import script_text, write_script
 from meshlab_symrecon.host.native_only import (
     checked_for_the_window,
     for_the_window,

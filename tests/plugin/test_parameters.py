@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from meshlab_symrecon.errors import ParameterError
@@ -178,7 +178,6 @@ def test_text_that_stands_for_nothing_is_refused(name, written):
         Every.find(name).parse(written)
 
 
-@settings(derandomize=True)
 @given(
     weight=st.floats(min_value=-1.0, allow_nan=False, allow_infinity=False),
     count=st.integers(1, 9),
