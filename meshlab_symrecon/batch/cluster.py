@@ -136,9 +136,9 @@ def _distributed() -> Any:
         raise SymReconError(f"{message}; {INSTALL}") from error
 
 
-def _unanswered() -> tuple[type[Exception], ...]:
-    """Return what dask raises without an answer; its timeouts are no OSError in Python 3.10."""
-    return OSError, import_module("asyncio").TimeoutError
+def _unanswered(*others: type[Exception]) -> tuple[type[Exception], ...]:
+    """Return what dask raises without an answer: in Python 3.10 its timeouts are no OSError."""
+    return OSError, import_module("asyncio").TimeoutError, *others
 
 
 @contextmanager
@@ -150,7 +150,7 @@ def _connected(address: str) -> Iterator[Any]:
     with _in_silence():
         try:
             client = _client()(address, timeout=PATIENCE, set_as_default=False)
-        except (*_unanswered(), ValueError, TypeError) as error:
+        except _unanswered(ValueError, TypeError) as error:
             message = f"no dask scheduler answers at {address}"
             raise HostError(
                 f"{message}; start one with 'dask scheduler', and give the address that it tells"
