@@ -94,6 +94,15 @@ def test_no_sources_of_the_kernel_and_no_tests_are_installed():
     assert not [name for name in names if re.search(r"\.[ch]pp$|CMakeLists|(^|/)test", name)]
 
 
+def test_every_licence_is_installed_with_what_is_compiled():
+    installed = [path for path in metadata.files("meshlab-symrecon") if "licenses" in path.parts]
+    assert {path.name for path in installed} == set(PROJECT["license-files"])
+    for path in installed:
+        assert path.read_text(encoding="utf-8") == text(path.name)
+    linked = re.findall(r"^Copyright \(c\) \d+ (\w+ \w+)", text("THIRD_PARTY.txt"), re.MULTILINE)
+    assert linked == ["Wenzel Jakob", "Hudson River", "Thibaut Goetghebuer"]
+
+
 def test_one_wheel_serves_every_python_with_a_stable_interface():
     (override,) = PYPROJECT["tool"]["scikit-build"]["overrides"]
     assert override["if"] == {"python-version": ">=3.12"}
@@ -133,6 +142,13 @@ def test_the_targets_that_the_workflow_makes_exist():
     assert set(targets) == {"sdist", "test-oldest"}
     for target in (*targets, "wheel"):
         assert re.search(rf"^{target}:", text("Makefile"), re.MULTILINE), target
+
+
+def test_the_workflow_runs_actions_that_nobody_can_exchange():
+    uses = re.findall(r"uses: (.*)", text(".github/workflows/wheels.yml"))
+    assert uses
+    for action in uses:
+        assert re.fullmatch(r"[\w/-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+", action), action
 
 
 def test_the_changelog_keeps_its_form():

@@ -18,7 +18,7 @@ from meshlab_symrecon.plugin import Layer
 DETECT, COMPLETE = "generate_reflection_planes", "generate_mirror_completed_points"
 NO_FACES = np.zeros((0, 3), dtype=np.int64)
 PLACED = shapes.MOTIONS[-1]  # turned, shifted and scaled: no axis or origin can help
-STATUE = PLACED(shapes.statue(3000, seed=5))
+STATUE = PLACED(shapes.statue(1500, seed=5))
 (TRUE,) = PLACED.planes(np.array([[1.0, 0.0, 0.0, 0.0]]))
 DIAGONAL = box_diagonal(STATUE)
 
@@ -37,7 +37,7 @@ def rock(count: int, seed: int = 3) -> np.ndarray:
     return PLACED(2.0 * sphere * radius[:, None] * [1.3, 1.0, 0.8] + [1.5, -2.5, -2.0])
 
 
-BOTH = np.concatenate([STATUE, rock(6000)])  # the statue first
+BOTH = np.concatenate([STATUE, rock(3000)])  # the statue first
 
 
 def document(points: np.ndarray, faces: np.ndarray = NO_FACES) -> pymeshlab.MeshSet:
@@ -301,14 +301,14 @@ def test_too_small_a_selection(condition):
     mesh_set.compute_selection_by_condition_per_vertex(condselect=condition)
     count = 4 if condition == "vi < 4" else 30
     said = refused(mesh_set, GeometryError, onlyselected=True)
-    assert f"got {count} selected points of 3030 in layer 'scan'; select more" in said
+    assert f"got {count} selected points of 1530 in layer 'scan'; select more" in said
 
 
 def test_a_point_that_is_no_number_is_told_even_outside_the_selection():
     mesh_set = document(np.concatenate([STATUE, [[np.nan, 0.0, 0.0]]]))
-    mesh_set.compute_selection_by_condition_per_vertex(condselect="vi < 2000")
+    mesh_set.compute_selection_by_condition_per_vertex(condselect="vi < 1000")
     said = refused(mesh_set, GeometryError, onlyselected=True)
-    assert "got 1 rows with NaN or infinity, the first at index 3000" in said
+    assert "got 1 rows with NaN or infinity, the first at index 1500" in said
 
 
 def test_a_layer_to_refine_without_refining():

@@ -71,7 +71,7 @@ def _done(
             else:
                 yield report
     finally:
-        with suppress(OSError):  # without a scheduler nobody wants them any more
+        with suppress(*_unanswered()):  # without a scheduler nobody wants them any more
             client.cancel(list(by_task), force=True)
 
 
@@ -79,7 +79,7 @@ def _present(client: Any, address: str) -> set[str]:
     """Return the addresses of the workers."""
     try:
         return set(client.ncores())
-    except OSError as error:
+    except _unanswered() as error:
         message = f"the dask scheduler at {address} is gone"
         raise HostError(f"{message}; start it again, and give the same command again") from error
 
@@ -136,6 +136,11 @@ def _distributed() -> Any:
         raise SymReconError(f"{message}; {INSTALL}") from error
 
 
+def _unanswered(*others: type[Exception]) -> tuple[type[Exception], ...]:
+    """Return what dask raises without an answer: in Python 3.10 its timeouts are no OSError."""
+    return OSError, import_module("asyncio").TimeoutError, *others
+
+
 @contextmanager
 def _connected(address: str) -> Iterator[Any]:
     if not address.strip():  # for which dask would start a cluster of its own
@@ -145,7 +150,7 @@ def _connected(address: str) -> Iterator[Any]:
     with _in_silence():
         try:
             client = _client()(address, timeout=PATIENCE, set_as_default=False)
-        except (OSError, ValueError, TypeError) as error:
+        except _unanswered(ValueError, TypeError) as error:
             message = f"no dask scheduler answers at {address}"
             raise HostError(
                 f"{message}; start one with 'dask scheduler', and give the address that it tells"
@@ -153,7 +158,7 @@ def _connected(address: str) -> Iterator[Any]:
         try:
             yield client
         finally:
-            with suppress(OSError):  # all reports are here
+            with suppress(*_unanswered()):  # all reports are here
                 client.close(timeout=PATIENCE)
 
 
@@ -185,7 +190,7 @@ def _check_workers(client: Any, address: str) -> None:
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
         there = client.run(versions_of_results)
-    except TimeoutError as error:
+    except import_module("asyncio").TimeoutError as error:
         message = f"the dask scheduler at {address} has no workers"
         raise HostError(f"{message}; start some with 'dask worker {address}'") from error
     except ImportError as error:
