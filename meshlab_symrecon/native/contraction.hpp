@@ -25,7 +25,7 @@ class Contraction {
 
   // Join vertices at one sample where the link condition holds.
   void join_coincident();
-  // Contract short edges, and edges of flat places.
+  // Contract short edges, and edges of flat places; `progress` is there.
   void thin_out(const Progress& progress);
   // Move vertices at one place a little apart.
   void part_coincident();

@@ -15,6 +15,7 @@ constexpr double kSteepest = 0.2;    // cosine: a face may turn by 78 degrees at
 constexpr double kReach = 2.0;       // spacings: longer edges are not contracted
 constexpr int kTries = 2;            // edges tried at a vertex, the shortest first
 constexpr int kRounds = 2;           // of asking neighbours for their nearest samples
+constexpr double kPaired = 0.15, kJoined = 0.2, kThinned = 0.75, kParted = 0.8, kNumbered = 0.9;  // shares of the time
 constexpr float kDone = std::numeric_limits<float>::infinity();
 constexpr double kTurned = std::numeric_limits<double>::infinity();
 
@@ -143,7 +144,7 @@ void Contraction::thin_out(const Progress& progress) {
   }
   std::vector<std::int32_t> waiting;
   for (std::int32_t vertex = 0; vertex < count(); ++vertex) {
-    if (vertex % kVerticesPerReport == 0 && progress) progress(double(vertex) / double(count()));
+    if (vertex % kVerticesPerReport == 0) progress(double(vertex) / double(count()));
     if (turn_[vertex] == kDone) continue;
     waiting.push_back(vertex);
     while (!waiting.empty()) {
@@ -187,11 +188,19 @@ SampledSurface Contraction::surface() const {
 
 SampledSurface contract_edges(View<Position> points, View<Triangle> faces, View<std::int32_t> nearest,
                               const Samples& samples, const Leanness& leanness, const Progress& progress) {
+  const Progress report = [&](double share) {
+    if (progress) progress(share);
+  };
   Contraction contraction(points, faces, nearest, samples, leanness);
+  report(kPaired);
   contraction.join_coincident();
-  contraction.thin_out(progress);
+  report(kJoined);
+  contraction.thin_out([&](double share) { report(kJoined + (kThinned - kJoined) * share); });
+  report(kThinned);
   contraction.part_coincident();
+  report(kParted);
   SampledSurface result = contraction.surface();
+  report(kNumbered);
   settle_nearest(result, samples);
   return result;
 }

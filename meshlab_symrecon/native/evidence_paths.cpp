@@ -29,18 +29,19 @@ class Search {
   }
 
   // Rows of the network lie far apart, and waiting for them is most of the time: so they are sent for
-  // some copies ahead.
+  // some copies ahead, but not for the three of four copies that have become cheaper since.
   void run(Patience& patience) {
     constexpr std::size_t soon = 4, late = 8;
     std::vector<RadixQueue::Entry> batch;
     while (!queue_.empty()) {
       queue_.take(batch);
+      for (std::size_t k = 0; k < batch.size(); ++k) patience.step();
+      drop_outdated(batch);
       for (std::size_t k = 0; k < batch.size() + late; ++k) {
         if (k < batch.size()) send_for_offsets(batch[k].item / 2);
         if (k >= soon && k - soon < batch.size()) send_for_rows(batch[k - soon].item / 2);
         if (k >= late) expand(batch[k - late]);
       }
-      for (std::size_t k = 0; k < batch.size(); ++k) patience.step();
     }
   }
 
@@ -58,10 +59,25 @@ class Search {
     return static_cast<std::size_t>(longest);
   }
 
+  const double& cost_of(const RadixQueue::Entry& entry) const { return costs_[entry.item % 2][entry.item / 2]; }
+
+  // Keep the entries with the key of their cost.  Which ones these are no branch can foresee.
+  void drop_outdated(std::vector<RadixQueue::Entry>& batch) const {
+    constexpr std::size_t soon = 12;
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+      if (k + soon < batch.size()) prefetch(&cost_of(batch[k + soon]));
+      const RadixQueue::Entry entry = batch[k];
+      batch[kept] = entry;
+      kept += RadixQueue::key_of(cost_of(entry)) == entry.key;
+    }
+    batch.resize(kept);
+  }
+
   void expand(const RadixQueue::Entry& entry) {
     const std::size_t pole = entry.item / 2, side = entry.item % 2;
     const double cost = costs_[side][pole];
-    if (RadixQueue::key_of(cost) != entry.key) return;
+    if (RadixQueue::key_of(cost) != entry.key) return;  // cheaper since the batch was taken
     offer_row(pole, side, cost);
     for (std::int64_t k = other_side_.offsets[pole]; k < other_side_.offsets[pole + 1]; ++k)
       offer(other_side_.arcs[k].pole, 1 - side, cost + other_side_.arcs[k].value);

@@ -4,25 +4,30 @@
 #include <queue>
 
 #include "disjoint_sets.hpp"
+#include "memory_pages.hpp"
+#include "prefetch.hpp"
 
 namespace symrecon {
 namespace {
 
 constexpr std::int64_t kStepsPerCheckpoint = 1 << 13;
 
-// The cells at each candidate, as rows of one array.
+// The facets opposite each candidate in its cells, as rows of one array: whoever goes round a candidate reads them in
+// order, and the cells would lie far apart.
 struct Stars {
-  std::vector<std::int32_t> start, cell;
+  std::vector<std::int32_t> start;
+  LargeVector<Triangle> facet;
 
   Stars(View<Quad> cells, const std::vector<std::uint8_t>& candidate) : start(candidate.size() + 1, 0) {
     for (const Quad& corners : cells)
       for (const std::int32_t site : corners) start[site + 1] += candidate[site];
     for (std::size_t i = 0; i < candidate.size(); ++i) start[i + 1] += start[i];
-    cell.resize(start.back());
+    facet.resize(start.back());
     std::vector<std::int32_t> place(start.begin(), start.end() - 1);
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      for (const std::int32_t site : cells[i])
-        if (candidate[site]) cell[place[site]++] = static_cast<std::int32_t>(i);
+    for (const Quad& corners : cells)
+      for (int k = 0; k < 4; ++k)
+        if (candidate[corners[k]])
+          facet[place[corners[k]]++] = {corners[(k + 1) % 4], corners[(k + 2) % 4], corners[(k + 3) % 4]};
   }
 };
 
@@ -48,17 +53,19 @@ class Growth {
         size_(size),
         stars_(cells, candidate_),
         grown_(certain.begin(), certain.end()),
-        queued_(wanted.size(), 0),
+        queued_(candidate_),
         place_(wanted.size(), -1),
         pieces_(wanted.size()) {
-    for (std::size_t site = 0; site < wanted.size(); ++site) offer(static_cast<std::int32_t>(site));
+    first_.reserve(std::count(candidate_.begin(), candidate_.end(), std::uint8_t(1)));
+    for (std::size_t site = 0; site < candidate_.size(); ++site)
+      if (candidate_[site]) first_.push_back({size[site], static_cast<std::int32_t>(site)});
+    std::sort(first_.begin(), first_.end(), [](const Candidate& a, const Candidate& b) { return b < a; });
   }
 
   std::vector<std::uint8_t> run(const Checkpoint& checkpoint) {
-    for (std::int64_t step = 0; !queue_.empty(); ++step) {
+    for (std::int64_t step = 0; next_ < first_.size() || !again_.empty(); ++step) {
       if (step % kStepsPerCheckpoint == 0) checkpoint();
-      const std::int32_t site = queue_.top().site;
-      queue_.pop();
+      const std::int32_t site = take();
       queued_[site] = 0;
       gather(site);
       if (!closes_loop()) add(site);
@@ -70,7 +77,28 @@ class Growth {
   void offer(std::int32_t site) {
     if (!candidate_[site] || grown_[site] || queued_[site]) return;
     queued_[site] = 1;
-    queue_.push({size_[site], site});
+    again_.push({size_[site], site});
+  }
+
+  // The largest of those that wait.
+  std::int32_t take() {
+    if (!again_.empty() && (next_ == first_.size() || first_[next_] < again_.top())) {
+      const std::int32_t site = again_.top().site;
+      again_.pop();
+      return site;
+    }
+    send_for_stars();
+    return first_[next_++].site;
+  }
+
+  // Sites of one size lie far apart: so their stars are sent for some sites ahead.
+  void send_for_stars() const {
+    constexpr std::size_t soon = 4, late = 8;
+    constexpr std::int32_t line = 5;  // facets in a line of the cache
+    if (next_ + late < first_.size()) prefetch(&stars_.start[first_[next_ + late].site]);
+    if (next_ + soon >= first_.size()) return;
+    const std::int32_t site = first_[next_ + soon].site;
+    for (std::int32_t i = stars_.start[site]; i < stars_.start[site + 1]; i += line) prefetch(&stars_.facet[i]);
   }
 
   // The neighbours of a site, and the parts of the grown set among them.
@@ -79,26 +107,23 @@ class Growth {
     parts_.clear();
     for (std::int32_t i = stars_.start[site]; i < stars_.start[site + 1]; ++i) {
       std::int32_t first = -1;
-      for (const std::int32_t other : cells_[stars_.cell[i]]) {
-        if (other == site) continue;
+      for (const std::int32_t other : stars_.facet[i]) {
         if (place_[other] < 0) {
           place_[other] = static_cast<std::int32_t>(ring_.size());
           parts_.push_back(place_[other]);
           ring_.push_back(other);
         }
         if (!grown_[other]) continue;
-        if (first < 0) {
-          first = place_[other];
-        } else {
-          parts_[part(first)] = part(place_[other]);
-        }
+        const std::int32_t joined = part(place_[other]);
+        if (first < 0) first = joined;
+        parts_[joined] = first;
       }
     }
     for (const std::int32_t other : ring_) place_[other] = -1;
   }
 
-  std::int32_t part(std::int32_t k) const {
-    while (parts_[k] != k) k = parts_[k];
+  std::int32_t part(std::int32_t k) {
+    while (parts_[k] != k) k = parts_[k] = parts_[parts_[k]];
     return k;
   }
 
@@ -152,7 +177,9 @@ class Growth {
   std::vector<std::int32_t> ring_, parts_, met_;
   DisjointSets pieces_;
   bool joined_ = false;  // whether the pieces are up to date
-  std::priority_queue<Candidate> queue_;
+  std::vector<Candidate> first_;  // all candidates, the largest first; those from the next one on wait
+  std::size_t next_ = 0;
+  std::priority_queue<Candidate> again_;  // refused ones that wait once more
 };
 
 }  // namespace

@@ -18,7 +18,7 @@ class RadixQueue {
   };
 
   // The leading bits of a float that is not negative are in its own order.  Costs that agree in them,
-  // to 1/8192 of their size, leave together: so the one who takes them can look ahead.
+  // to 1/1024 of their size, leave together: so the one who takes them can look ahead.
   static std::uint32_t key_of(double cost) {
     const auto rounded = static_cast<float>(cost);
     std::uint32_t key;
@@ -42,7 +42,7 @@ class RadixQueue {
   }
 
  private:
-  static constexpr int dropped_bits = 10;
+  static constexpr int dropped_bits = 13;
 
   // Bucket b > 0 holds the keys whose highest bit that differs from the last one taken is b - 1.
   std::size_t bucket_of(std::uint32_t key) const {

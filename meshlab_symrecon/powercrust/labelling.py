@@ -93,6 +93,7 @@ def label_poles(
         inside, reached = _by_minimum_cut(near, across, outer, progress=rest)
     else:
         inside, reached = propagated(near, across, poles.radii, outer, progress=rest)
+    del near, across  # the handles need the memory
     inside &= reached & shown
     if smallest_handle > 0.0:
         sizes = relative_sizes(poles)

@@ -300,7 +300,7 @@ def test_polygons_of_no_surface_are_refused():
         )
 
 
-def contract(points, faces, samples, nearest, spacing):
+def contract(points, faces, samples, nearest, spacing, progress=None):
     return _native.contract_edges(
         points,
         faces.astype(np.int32),
@@ -309,7 +309,26 @@ def contract(points, faces, samples, nearest, spacing):
         spacing,
         WELD,
         FLAT,
+        progress,
     )
+
+
+def test_every_step_of_the_contraction_tells_progress_and_may_be_stopped():
+    points, faces = shapes.torus_mesh(24, 36)
+    cloud = (points, faces, np.array([[9.0, 9, 9]]), np.zeros(len(points)), np.array([4.0]))
+    told = []
+    contract(*cloud, told.append)
+    assert told == sorted(told)
+    assert len(set(told)) >= 5  # paired, joined, thinned out, parted, numbered
+    assert 0.0 < told[0] < told[-1] < 1.0
+    for last in told:
+
+        def stop(share, last=last):
+            if share >= last:
+                raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt):
+            contract(*cloud, stop)
 
 
 def test_contraction_keeps_the_topology_of_a_torus_and_of_a_tetrahedron():
