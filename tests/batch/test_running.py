@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -194,6 +195,39 @@ def test_what_is_done_again_is_told_why(place, monkeypatch, tmp_path):
     assert reasons() == {"in/a.ply": "the scan has changed"}
     script.write_text(SCRIPT.replace("0.5", "0.25"))
     assert set(reasons().values()) == {"the script has changed"}
+
+
+def test_what_cannot_be_read_is_worked_on_again_only_when_it_can_be(tmp_path, script, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    scans = tmp_path / "in"
+    scans.mkdir()
+    (scans / "dangling.ply").symlink_to("nowhere.ply")
+    (scans / "loop.ply").symlink_to("loop.ply")
+    os.mkfifo(scans / "pipe.ply")
+    asked = Batch(script, ["in"], "out", jobs=1)
+    errors = {one.scan: one.error for one in run_batch(asked).scans}
+    assert errors == {
+        "in/dangling.ply": "in/dangling.ply cannot be read: it is a link to nowhere.ply, and no "
+        "file is there; check its path",
+        "in/loop.ply": "in/loop.ply cannot be read: it is in a loop of links, which leads to no "
+        "file; put the scan there",
+        "in/pipe.ply": "in/pipe.ply cannot be read: it is not an ordinary file; give a mesh file",
+    }
+    witness = Witness()
+    assert run_batch(asked, witness).resumed == len(errors)
+    assert witness.sentences == []
+    (scans / "loop.ply").unlink()
+    cloud(scans / "loop.ply", 60)
+    witness = Witness()
+    (done,) = run_batch(asked, witness).done
+    assert done.scan == "in/loop.ply"
+    assert witness.sentences == ["in/loop.ply is done again: the scan can be read now"]
+    (scans / "loop.ply").unlink()
+    witness = Witness()
+    run_batch(replace(asked, inputs=["in/dangling.ply", "in/pipe.ply"], retry=True), witness)
+    assert witness.sentences == [
+        f"in/{name}.ply is done again: it had failed" for name in ("dangling", "pipe")
+    ]
 
 
 def test_no_file_of_a_batch_is_written_over(tmp_path, script, monkeypatch):
