@@ -52,12 +52,28 @@ def test_a_batch_from_its_first_to_its_second_run(place, run):
     again = run(*options)
     assert again.exit_code == 1
     assert again.stderr.splitlines()[-1].startswith("error: 1 of 3 scans have no result (1 failed)")
+    assert again.stderr.endswith(
+        "; out/batch.jsonl says why, and the same command goes on once that is mended; "
+        "--retry tries even what is as it was\n"
+    )
     assert "[3/3] failed in/c.off" in again.stderr
     assert "3 scans: 2 done, 1 failed (2 from an earlier run)" in again.stdout
     quiet = run("batch", "halve.mlx", "in", "-d", "out", "--quiet")
     assert quiet.exit_code == 1
     assert quiet.stdout == ""
     assert len(quiet.stderr.splitlines()) == 1
+
+
+def test_what_is_too_large_is_not_to_be_tried_as_it_is(place, run):
+    cloud = "ply\nformat ascii 1.0\nelement vertex 4000000\nproperty float x\nproperty float y\n"
+    path = place / "in/a.ply"
+    path.write_text(f"{cloud}property float z\nend_header\n")
+    with path.open("ab") as file:
+        file.truncate(6 * 4_000_000 + 1000)  # what so many points take at least
+    done = run("batch", "reconstruct", path, "-d", "out", "--jobs", 1, "--memory-limit", "4G")
+    assert done.exit_code == 1
+    assert "or raise the limit (--memory-limit is 4 GiB)" in done.stderr
+    assert done.stderr.endswith("says why, and the same command goes on once that is mended\n")
 
 
 def test_reconstruct_is_the_whole_method(place, statue, run):
