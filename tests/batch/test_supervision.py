@@ -234,7 +234,9 @@ def test_a_full_disk_is_told_in_the_systems_words(tmp_path, job):
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
         signal.signal(signal.SIGXFSZ, ignored)
     assert report.status == "not written"
-    assert "3000.ply cannot be written" in report.error
+    assert report.error == (
+        f"{one.shown_output} cannot be written: File too large; make room, or give another path"
+    )
     assert left_in(tmp_path / "out") == []
 
 
