@@ -206,9 +206,7 @@ def check_rest(
     SizeError
         The estimate is above the limit; the message says what to do.
     """
-    room = _Room(
-        available_memory() if limit is None else limit - used_memory(), limit is not None
-    )
+    room = _Room(available_memory() if limit is None else limit - used_memory(), limit is not None)
     needed = _on_top(points, steps)
     if needed > room.free:
         share = max(0.0, room.free / needed)

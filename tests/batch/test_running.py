@@ -17,6 +17,7 @@ import pytest
 from batch_inputs import SCRIPT, Witness, cloud
 
 from meshlab_symrecon.batch import Batch, Limits, run_batch
+from meshlab_symrecon.batch.cores import WARNINGS, _trackers_silent
 from meshlab_symrecon.batch.log import opened_log
 from meshlab_symrecon.batch.plan import planned
 from meshlab_symrecon.batch.resumption import standing
@@ -116,6 +117,7 @@ def test_resumed_after_kill_9_the_bytes_are_those_of_an_uninterrupted_batch(plac
     for count in (1, 3):
         process = started(place, "killed")
         processes = working_at(process, out / "batch.jsonl", count)
+        assert list(Path("/dev/shm").glob(f"joblib_*_{process.pid}_*")) == []
         process.kill()
         process.communicate()
         assert all_gone(processes)
@@ -149,6 +151,21 @@ def test_an_interrupted_batch_says_how_to_go_on(place, number, code):
     assert not [path for path in out.iterdir() if path.name.startswith(".")]
     whole = bytes_in(place / "whole")
     assert all(whole[name] == content for name, content in bytes_in(out).items())
+
+
+@pytest.mark.parametrize("before", [None, "error"])
+def test_trackers_do_not_warn_of_what_is_gone_already(monkeypatch, before):
+    if before is None:
+        monkeypatch.delenv(WARNINGS, raising=False)
+    else:
+        monkeypatch.setenv(WARNINGS, before)
+    program = [sys.executable, "-c", "import warnings; warnings.warn('it is gone')"]
+    with _trackers_silent():
+        inside = subprocess.run(program, capture_output=True, text=True, check=False)
+    assert (inside.returncode, inside.stderr) == (0, "")
+    assert os.environ.get(WARNINGS) == before
+    outside = subprocess.run(program, capture_output=True, text=True, check=False)
+    assert "it is gone" in outside.stderr
 
 
 def test_a_worker_that_is_killed_is_no_end(place):

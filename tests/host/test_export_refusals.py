@@ -47,8 +47,6 @@ def test_without_words_of_meshlab_there_is_a_reason(tmp_path, ball):
     ball.save_current_mesh(str(staged))
     whole = staged.read_bytes()
     with pytest.raises(HostError) as caught, exporting_to(ASKED, staged):
-        raise pymeshlab.PyMeshLabException(
-            f"Error encountered while exportering file {staged}:\n"
-        )
+        raise pymeshlab.PyMeshLabException(f"Error encountered while exportering file {staged}:\n")
     assert str(caught.value) == "out/ball.ply cannot be written: MeshLab names no reason"
     assert staged.read_bytes() == whole
