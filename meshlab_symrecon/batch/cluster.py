@@ -8,6 +8,7 @@ has given up.
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -24,6 +25,7 @@ from meshlab_symrecon.host.versions import versions_of_results
 __all__ = ["on_cluster"]
 
 PATIENCE = 5.0  # seconds for the scheduler to answer
+LOOK, MOMENT = 2.0, 0.05  # seconds between looks at the workers, and at the tasks
 TOOK_ALL = "KilledWorker"  # dask's error for a task with which worker after worker ends
 ON_THE_WAY = ("executing", "long-running")
 FINISHED, AGAIN = "finished", ("lost", "pending")  # of dask's states of a task
@@ -58,13 +60,10 @@ def _done(
 ) -> Generator[ScanReport, None, None]:
     by_task = {client.submit(supervised_there, job, pure=False): job for job in jobs}
     try:
-        workers = _present(client, address)
+        workers = _Workers(client, address, said)
         ended = _distributed().as_completed(by_task, loop=client.loop)
-        for task in ended:
-            now = _present(client, address)
-            for worker in sorted(workers - now):
-                said(f"the worker at {worker} is gone; its scans are done again by others")
-            workers = now
+        for task in _as_they_end(ended, workers.look):
+            workers.look()
             report = _report(task, by_task[task])
             if report is None:
                 ended.add(task)
@@ -73,6 +72,36 @@ def _done(
     finally:
         with suppress(*_unanswered()):  # without a scheduler nobody wants them any more
             client.cancel(list(by_task), force=True)
+
+
+def _as_they_end(ended: Any, look: Callable[[], None]) -> Iterator[Any]:
+    """Yield tasks as they end; look at the workers now and then, since without any none does."""
+    while not ended.is_empty():
+        until = time.monotonic() + LOOK
+        while not ended.has_ready() and time.monotonic() < until:
+            time.sleep(MOMENT)
+        if ended.has_ready():
+            yield next(ended)
+        else:
+            look()
+
+
+class _Workers:
+    """The workers that are there, and word of those that were."""
+
+    def __init__(self, client: Any, address: str, said: Callable[[str], None]) -> None:
+        self.client, self.address, self.said = client, address, said
+        self.there = _present(client, address)
+
+    def look(self) -> None:
+        """Say which ones are gone since the last look, and when none is left."""
+        now = _present(self.client, self.address)
+        for worker in sorted(self.there - now):
+            self.said(f"the worker at {worker} is gone; its scans are done again by others")
+        if self.there and not now:
+            message = f"all workers of {self.address} are gone"
+            self.said(f"{message}; the batch waits for new ones, Ctrl-C ends it")
+        self.there = now
 
 
 def _present(client: Any, address: str) -> set[str]:

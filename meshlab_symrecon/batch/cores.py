@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import tempfile
 import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
@@ -21,6 +22,7 @@ from meshlab_symrecon.errors import HostError
 
 __all__ = ["on_cores"]
 
+WARNINGS = "PYTHONWARNINGS"
 PATIENCE = 5  # pools that may break one after the other without a single result
 
 
@@ -60,6 +62,7 @@ def _pooled(jobs: Sequence[Job], count: int) -> Generator[ScanReport, None, None
         backend="loky",
         batch_size=1,  # a report comes as soon as its scan is done
         return_as="generator_unordered",
+        temp_folder=tempfile.gettempdir(),  # where nothing is made; elsewhere it would be
         max_nbytes=None,
     )
     coordinator = os.getpid()
@@ -79,10 +82,25 @@ def _interruptions_held() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    for tracker in (resource_tracker, loky_tracker):
-        tracker.ensure_running()  # now, since that lets signals through again
+    with _trackers_silent():
+        for tracker in (resource_tracker, loky_tracker):
+            tracker.ensure_running()  # now, since that lets signals through again
     before: Any = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _trackers_silent() -> Iterator[None]:
+    """Keep processes that begin in this block from warning of what was removed before they came."""
+    before = os.environ.get(WARNINGS)
+    os.environ[WARNINGS] = "ignore"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[WARNINGS]
+        else:
+            os.environ[WARNINGS] = before

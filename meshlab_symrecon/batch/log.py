@@ -18,6 +18,7 @@ from meshlab_symrecon.host.atomic import flush_folder, reason
 
 __all__ = ["Log", "opened_log"]
 
+MOST = 1 << 64  # of what a system counts
 BEGINNING = b'{"scan": "'
 REQUIRED = {"scan": str, "output": str, "name": str, "status": str, "work_sha256": str}
 OPTIONAL: dict[str, type | tuple[type, ...]] = {
@@ -163,10 +164,18 @@ def _read(data: bytes) -> tuple[tuple[ScanReport, ...], int]:
     return tuple(map(ScanReport.from_data, records)), len(lines) - len(records)
 
 
+def _counted(digits: str) -> int:
+    """Return a whole number; one with hundreds of digits cannot be worked with."""
+    number = int(digits)
+    if abs(number) > MOST:
+        raise ValueError(digits)
+    return number
+
+
 def _record(line: bytes) -> dict[str, Any] | None:
     """Return what a line of ours says; None for any other line."""
     try:
-        data = json.loads(line)
+        data = json.loads(line, parse_int=_counted)
     except (ValueError, RecursionError):
         return None
     ours = (

@@ -145,5 +145,5 @@ def in_bytes(count: int) -> str:
     """Return a number of bytes in words."""
     for unit in ("T", "G", "M", "K"):
         if count >= UNITS[unit]:
-            return f"{count / UNITS[unit]:.3g} {unit}B"
+            return f"{count / UNITS[unit]:.3g} {unit}iB"
     return f"{count} bytes"

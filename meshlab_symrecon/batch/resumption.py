@@ -77,9 +77,9 @@ def _why_again(job: Job, report: ScanReport | None, retry: bool) -> str | None:
         return None
     if report.work_sha256 != job.work.sha256:
         return _difference(job, report)
-    changed = _what_changed(job, report)
+    changed = _why_read_anew(job, report)
     if changed is not None:
-        return f"{changed} has changed"
+        return changed
     most = report.limits.get("points")
     if _points_worked_on(report, most) != _points_worked_on(report, job.limits.points):
         return "the limit of points has been changed"
@@ -88,11 +88,14 @@ def _why_again(job: Job, report: ScanReport | None, retry: bool) -> str | None:
     return _why_retried(job, report, retry)
 
 
-def _what_changed(job: Job, report: ScanReport) -> str | None:
-    if report.input_sha256 is None or sha256_of(job.scan) != report.input_sha256:
-        return "the scan"
+def _why_read_anew(job: Job, report: ScanReport) -> str | None:
+    checksum = sha256_of(job.scan)
+    if checksum is None and report.input_sha256 is None and report.status != DONE:
+        return None  # it can be read as little as before
+    if checksum != report.input_sha256 or checksum is None:
+        return "the scan can be read now" if report.input_sha256 is None else "the scan has changed"
     if checksums_of(job.further, job.scan.parent) != dict(report.input_files):
-        return "a file behind the scan"
+        return "a file behind the scan has changed"
     return None
 
 

@@ -151,9 +151,18 @@ def _fields(job: Job, ending: Ending) -> dict[str, Any]:
         found = {"status": status, "error": error}
     if found["status"] == OUT_OF_MEMORY:
         found["error"] = _no_memory(job, ending)
-    if found["status"] == TOO_LARGE and job.limits.memory is None and job.share is not None:
-        found["error"] += "; scans at once share what is free, fewer --jobs leave more for each"
+    if found["status"] == TOO_LARGE:
+        found["error"] += _whose_limit(job)
     return found
+
+
+def _whose_limit(job: Job) -> str:
+    """Return words on the limit that a scan is too large for; none when the machine has no more."""
+    if job.limits.memory is not None:
+        return f" (--memory-limit is {in_bytes(job.limits.memory)})"
+    if job.share is not None:
+        return " (scans at once share what is free: fewer --jobs leave more for each)"
+    return ""
 
 
 def _older(job: Job) -> str:

@@ -124,6 +124,7 @@ def _worked(job: Job, found: dict[str, Any], progress: Progress) -> Any:
     from meshlab_symrecon.host.paths import check_input
     from meshlab_symrecon.host.reconstruction import parameters_as_run, whole_method
 
+    _check_links(job)
     check_input(job.scan)
     if not _is_text(job.output):
         message = f"{job.shown_output} cannot be written: this name, or that of a folder above"
@@ -141,6 +142,19 @@ def _worked(job: Job, found: dict[str, Any], progress: Progress) -> Any:
     found["points"] = result.measured
     found["measures"] = findings(result)
     return result.mesh_set
+
+
+def _check_links(job: Job) -> None:
+    """Refuse a link that leads to no file, which looks as if nothing were there."""
+    try:
+        job.scan.stat()
+    except OSError as error:
+        if error.errno == errno.ELOOP:
+            message = f"{job.shown_scan} cannot be read: it is in a loop of links"
+            raise FileError(f"{message}, which leads to no file; put the scan there") from error
+        if error.errno == errno.ENOENT and job.scan.is_symlink():
+            message = f"{job.shown_scan} cannot be read: it is a link to {job.scan.readlink()}"
+            raise FileError(f"{message}, and no file is there; check its path") from error
 
 
 def _is_text(path: Path) -> bool:

@@ -189,10 +189,14 @@ def _failures(report: BatchReport) -> str:
     counts = ", ".join(
         f"{count} {status}" for status, count in report.counts().items() if status != "done"
     )
+    from meshlab_symrecon.batch.reports import TOO_LARGE
+
     what = "1 scan has" if len(report.scans) == 1 else f"{len(report.scans)} scans have"
+    unchanged = any(one.status != TOO_LARGE for one in report.failed)
+    retry = "; --retry tries even what is as it was" if unchanged else ""
     return (
-        f"{len(report.failed)} of {what} no result ({counts}); {report.log} says why, and "
-        "--retry tries them again"
+        f"{len(report.failed)} of {what} no result ({counts}); {report.log} says why, and the same "
+        f"command goes on once that is mended{retry}"
     )
 
 

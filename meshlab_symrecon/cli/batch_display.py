@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -20,6 +20,7 @@ __all__ = ["Counting", "display", "found_in_words", "in_a_line", "print_table"]
 
 IN_A_PIPE = 10_000  # columns, so that nothing is cut
 SHOWN = 3  # measures of a script
+WARNED = 3  # warnings of a scan
 
 
 @contextmanager
@@ -64,10 +65,12 @@ class _Lines(Counting):
 
     def new(self, report: ScanReport) -> None:
         click.echo(f"[{self.count}/{self.total}] {_told(report)}", err=True)
+        for sentence in _warned(report):
+            click.echo(f"  {sentence}", err=True)
 
 
 class _Bar(Counting):
-    """A bar with counts and the time left; what has failed is told above it."""
+    """A bar with counts and the time left; what has failed or has warnings is told above it."""
 
     def __init__(self, bar: Progress) -> None:
         super().__init__()
@@ -86,8 +89,10 @@ class _Bar(Counting):
             self.bar.update(self.task, completed=self.count, description=words)
 
     def new(self, report: ScanReport) -> None:
-        if report.status != DONE:
+        if report.status != DONE or report.warnings:
             self.said(_told(report))
+        for sentence in _warned(report):
+            self.said(f"  {sentence}")
 
     def said(self, sentence: str) -> None:
         self.bar.console.print(in_a_line(sentence), markup=False, highlight=False, soft_wrap=True)
@@ -126,6 +131,13 @@ def _told(report: ScanReport) -> str:
     return in_a_line(f"{report.status} {named}")
 
 
+def _warned(report: ScanReport) -> list[str]:
+    """Return the first warnings of a scan."""
+    lines = [in_a_line(f"warning: {sentence}") for sentence in report.warnings[:WARNED]]
+    more = len(report.warnings) - len(lines)
+    return [*lines, f"and {more} more in the log"] if more else lines
+
+
 def print_table(report: BatchReport) -> None:
     """Print one row a scan, and a last line that sums up."""
     from rich.console import Console
@@ -154,9 +166,11 @@ def print_table(report: BatchReport) -> None:
 
 def _sum(report: BatchReport) -> str:
     words = ", ".join(f"{count} {status}" for status, count in report.counts().items())
+    warned = sum(bool(report.warnings) for report in report.scans)
+    warnings = f", {warned} with warnings" if warned else ""
     earlier = f" ({report.resumed} from an earlier run)" if report.resumed else ""
     scans = "1 scan" if len(report.scans) == 1 else f"{len(report.scans)} scans"
-    return f"{scans}: {words}{earlier} in {report.seconds:.1f} s, logged in {report.log}"
+    return f"{scans}: {words}{warnings}{earlier} in {report.seconds:.1f} s, logged in {report.log}"
 
 
 def found_in_words(report: ScanReport) -> str:
@@ -165,7 +179,9 @@ def found_in_words(report: ScanReport) -> str:
         return report.error or ""
     measures = report.measures
     if "surface" in measures and "planes" in measures:
-        return _of_method(measures)
+        # Unless somebody has edited the log.
+        with suppress(LookupError, TypeError, ValueError, RecursionError):
+            return _of_method(measures)
     numbers = [
         f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
         for name, value in measures.items()

@@ -8,6 +8,7 @@ from typing import Any
 
 from meshlab_symrecon.errors import FileError, HostError
 from meshlab_symrecon.host.atomic import replacing
+from meshlab_symrecon.host.export_refusals import exporting_to
 from meshlab_symrecon.host.files import write_layer
 from meshlab_symrecon.host.formats import WRITABLE
 from meshlab_symrecon.host.image_names import rename_images
@@ -16,7 +17,6 @@ from meshlab_symrecon.host.mask import TEXT, held_flags, save_options
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.textures import place_textures
-from meshlab_symrecon.host.translation import translated
 from meshlab_symrecon.host.whole import check_whole
 
 __all__ = ["export_layer", "write_all", "write_staged"]
@@ -76,7 +76,7 @@ def write_staged(
     check_losses(mesh, path, extension)
     before = current_identifier(mesh_set)
     try:
-        with translated(f"{path} cannot be written"), process_kept():
+        with exporting_to(path, staged), process_kept():
             mesh_set.set_current_mesh(identifier)
             mesh_set.save_current_mesh(str(staged.resolve()), save_textures=False, **options)
     except HostError as error:

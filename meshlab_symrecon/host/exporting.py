@@ -10,6 +10,7 @@ import numpy as np
 
 from meshlab_symrecon.arrays import Floats
 from meshlab_symrecon.host.attributes import read_attribute
+from meshlab_symrecon.host.export_refusals import exporting_to
 from meshlab_symrecon.host.formats import TEXTURED, Contents, options_for
 from meshlab_symrecon.host.image_names import rename_images
 from meshlab_symrecon.host.meshset import current_identifier
@@ -35,6 +36,8 @@ def export(
 
     Raises
     ------
+    FileError
+        The system takes no more, as a full disk does.
     HostError
         MeshLab refused.
     """
@@ -42,7 +45,7 @@ def export(
     options = options_for(contents, extension)
     before = current_identifier(mesh_set)
     try:
-        with translated(f"{path} cannot be written"), process_kept():
+        with exporting_to(path, staged), process_kept():
             mesh_set.set_current_mesh(identifier)
             mesh_set.save_current_mesh(str(staged.resolve()), save_textures=False, **options)
     finally:

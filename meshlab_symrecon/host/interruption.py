@@ -24,6 +24,7 @@ from pathlib import Path
 from types import FrameType
 
 from meshlab_symrecon import _native
+from meshlab_symrecon.host.temporary_folders import kept_alive, remove_dead_folders
 
 __all__ = [
     "GRACE",
@@ -163,6 +164,7 @@ def _own_temporary_folder() -> Iterator[None]:
     before = tempfile.tempdir, os.environ.get("TMPDIR")
     try:
         folder = Path(tempfile.gettempdir(), name)
+        remove_dead_folders(folder.parent)
         guard_folder(folder.parent, name)
         folder.mkdir(mode=0o700)
     except OSError:  # what needs temporary files will say so
@@ -170,7 +172,8 @@ def _own_temporary_folder() -> Iterator[None]:
         return
     tempfile.tempdir = os.environ["TMPDIR"] = str(folder)
     try:
-        yield
+        with kept_alive(folder):
+            yield
     finally:
         tempfile.tempdir = before[0]
         os.environ.pop("TMPDIR")

@@ -55,6 +55,23 @@ class Cost:
     points: float | None = 1.0
 
 
+@dataclass(frozen=True, slots=True)
+class _Room:
+    """Bytes that a job may take, and whether somebody has said so or the machine has no more."""
+
+    free: int
+    limited: bool
+
+    @property
+    def in_words(self) -> str:
+        shown = _gigabytes(self.free)
+        return f"the limit leaves {shown}" if self.limited else f"{shown} are free"
+
+    @property
+    def way_out(self) -> str:
+        return "raise the limit" if self.limited else "use a machine with more memory"
+
+
 # Measured with ``benchmarks/growth.py``: the peak of resident memory of a process of its own for
 # each step, two statues with 15 % missing, 10^4 ... 10^7 points (the crust to 10^6); rounded up.
 PROCESS = 140 * MEGABYTE  # Python and its libraries
@@ -158,9 +175,9 @@ def check_memory(
     largest = max(known, key=lambda path: known[path].points)
     others = [size for path, size in known.items() if path != largest]
     beside = sum(READ_POINT * size.points + READ_FACE * size.faces for size in others)
-    free = (available_memory() if limit is None else limit) - beside
+    room = _Room((available_memory() if limit is None else limit) - beside, limit is not None)
     size = known[largest]
-    problem = _problem(size, free, most, steps, work, option)
+    problem = _problem(size, room, most, steps, work, option)
     if problem:
         about = "" if size.exact else "about "
         raise SizeError(f"{largest} has {about}{size.points} points; {problem}")
@@ -189,14 +206,14 @@ def check_rest(
     SizeError
         The estimate is above the limit; the message says what to do.
     """
-    free = available_memory() if limit is None else limit - used_memory()
+    room = _Room(available_memory() if limit is None else limit - used_memory(), limit is not None)
     needed = _on_top(points, steps)
-    if needed > free:
-        share = max(0.0, free / needed)
+    if needed > room.free:
+        share = max(0.0, room.free / needed)
         fitting = _rounded(int(share * measured))
         raise SizeError(
             f"{path}: {points} points need about {_gigabytes(needed)} more in "
-            f"'{steps[-1]}' and {_gigabytes(free)} are free; {_advice(fitting, '--max-points')}"
+            f"'{steps[-1]}' and {room.in_words}; {_advice(fitting, '--max-points', room)}"
         )
 
 
@@ -206,38 +223,38 @@ def _on_top(points: int, steps: Sequence[str]) -> int:
 
 
 def _problem(
-    size: Announced, free: int, most: int | None, steps: Sequence[str], work: str, option: str
+    size: Announced, room: _Room, most: int | None, steps: Sequence[str], work: str, option: str
 ) -> str:
     """Return what is wrong, and what to do; empty when nothing is."""
-    there = f"{_gigabytes(free)} are free"
     reading = memory_needed(size.points, size.faces, ())
-    if reading > free:
+    if reading > room.free:
         return (
-            f"reading them alone needs about {_gigabytes(reading)} and {there}; split the file "
-            "into parts, or use a machine with more memory"
+            f"reading them alone needs about {_gigabytes(reading)} and {room.in_words}; "
+            f"split the file into parts, or {room.way_out}"
         )
     used = size.points if most is None else min(most, size.points)
     thinned = used < size.points
     needed = memory_needed(used, 0 if thinned else size.faces, steps)
-    if needed <= free:
+    if needed <= room.free:
         return ""
-    fitting = _fitting(free, steps, used)
+    fitting = _fitting(room.free, steps, used)
     on = f" on {used} of them" if thinned else ""
-    return f"{work}{on} needs about {_gigabytes(needed)} and {there}; {_advice(fitting, option)}"
+    much = f"needs about {_gigabytes(needed)} and {room.in_words}"
+    return f"{work}{on} {much}; {_advice(fitting, option, room)}"
 
 
-def _advice(fitting: int, option: str) -> str:
+def _advice(fitting: int, option: str, room: _Room) -> str:
     if fitting == 0:
-        return "close other programs, or use a machine with more memory"
+        return room.way_out if room.limited else f"close other programs, or {room.way_out}"
     if option:
         return (
             f"run it with {option} {fitting}, which thins the scan out evenly first, "
-            "or use a machine with more memory"
+            f"or {room.way_out}"
         )
     return (
         f"simplify it to {fitting} points first (symrecon apply "
         f"generate_simplified_point_cloud IN -o OUT --samplenum {fitting}), "
-        "or use a machine with more memory"
+        f"or {room.way_out}"
     )
 
 

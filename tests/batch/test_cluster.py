@@ -128,6 +128,40 @@ def test_a_worker_that_is_killed_in_the_middle_is_no_end(place, scheduler, monke
         run_batch(Batch(place / "halve.mlx", [place / "in"], place / "new", scheduler=address))
 
 
+class Reviver(Killer):
+    """Start another worker when all are gone."""
+
+    def __init__(self, worker, gate, start):
+        super().__init__(worker, gate)
+        self.start = start
+
+    def said(self, sentence):
+        super().said(sentence)
+        if "all workers" in sentence:
+            self.start()
+
+
+def test_without_workers_the_batch_waits_for_new_ones_and_says_so(place, scheduler, monkeypatch):
+    address, worker = scheduler
+    monkeypatch.setattr(cluster_module, "PATIENCE", HANGS)
+    monkeypatch.setattr(cluster_module, "LOOK", 0.2)
+    with monkeypatch.context() as gated:
+        gated.setenv("AWKWARD_GATE", str(place / "gate of the only one"))
+        only = worker()
+    wait_for_workers(address, 1)
+    reviver = Reviver(only, place / "gate of the only one", worker)
+    scans = [place / "in" / f"s{number}.ply" for number in (0, 2)]
+    report = run_batch(
+        Batch(place / "halve.mlx", scans, place / "revived", scheduler=address), reviver
+    )
+    assert len(report.done) == len(scans)
+    gone, waits = reviver.sentences
+    assert gone.endswith("is gone; its scans are done again by others")
+    assert waits == (
+        f"all workers of {address} are gone; the batch waits for new ones, Ctrl-C ends it"
+    )
+
+
 def test_dask_keeps_silent_and_gets_its_voice_back():
     voice = logging.getLogger("distributed.client")
     before = voice.level
@@ -208,9 +242,14 @@ class AsCompleted:
     def __init__(self, tasks, loop):
         self.tasks = list(tasks)
 
-    def __iter__(self):
-        while self.tasks:
-            yield self.tasks.pop(0)
+    def is_empty(self):
+        return not self.tasks
+
+    def has_ready(self):
+        return True
+
+    def __next__(self):
+        return self.tasks.pop(0)
 
     def add(self, task):
         del task.states[0]

@@ -30,7 +30,7 @@ def test_what_is_no_size(text):
 
 def test_sizes_in_words():
     words = [in_bytes(size) for size in (12, 2048, 3 << 29, 4 << 40)]
-    assert words == ["12 bytes", "2 KB", "1.5 GB", "4 TB"]
+    assert words == ["12 bytes", "2 KiB", "1.5 GiB", "4 TiB"]
 
 
 @pytest.mark.parametrize("name", ["seconds", "memory", "points", "threads"])

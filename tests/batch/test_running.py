@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ import pytest
 from batch_inputs import SCRIPT, Witness, cloud
 
 from meshlab_symrecon.batch import Batch, Limits, run_batch
+from meshlab_symrecon.batch.cores import WARNINGS, _trackers_silent
 from meshlab_symrecon.batch.log import opened_log
 from meshlab_symrecon.batch.plan import planned
 from meshlab_symrecon.batch.resumption import standing
@@ -115,6 +117,7 @@ def test_resumed_after_kill_9_the_bytes_are_those_of_an_uninterrupted_batch(plac
     for count in (1, 3):
         process = started(place, "killed")
         processes = working_at(process, out / "batch.jsonl", count)
+        assert list(Path("/dev/shm").glob(f"joblib_*_{process.pid}_*")) == []
         process.kill()
         process.communicate()
         assert all_gone(processes)
@@ -148,6 +151,21 @@ def test_an_interrupted_batch_says_how_to_go_on(place, number, code):
     assert not [path for path in out.iterdir() if path.name.startswith(".")]
     whole = bytes_in(place / "whole")
     assert all(whole[name] == content for name, content in bytes_in(out).items())
+
+
+@pytest.mark.parametrize("before", [None, "error"])
+def test_trackers_do_not_warn_of_what_is_gone_already(monkeypatch, before):
+    if before is None:
+        monkeypatch.delenv(WARNINGS, raising=False)
+    else:
+        monkeypatch.setenv(WARNINGS, before)
+    program = [sys.executable, "-c", "import warnings; warnings.warn('it is gone')"]
+    with _trackers_silent():
+        inside = subprocess.run(program, capture_output=True, text=True, check=False)
+    assert (inside.returncode, inside.stderr) == (0, "")
+    assert os.environ.get(WARNINGS) == before
+    outside = subprocess.run(program, capture_output=True, text=True, check=False)
+    assert "it is gone" in outside.stderr
 
 
 def test_a_worker_that_is_killed_is_no_end(place):
@@ -194,6 +212,39 @@ def test_what_is_done_again_is_told_why(place, monkeypatch, tmp_path):
     assert reasons() == {"in/a.ply": "the scan has changed"}
     script.write_text(SCRIPT.replace("0.5", "0.25"))
     assert set(reasons().values()) == {"the script has changed"}
+
+
+def test_what_cannot_be_read_is_worked_on_again_only_when_it_can_be(tmp_path, script, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    scans = tmp_path / "in"
+    scans.mkdir()
+    (scans / "dangling.ply").symlink_to("nowhere.ply")
+    (scans / "loop.ply").symlink_to("loop.ply")
+    os.mkfifo(scans / "pipe.ply")
+    asked = Batch(script, ["in"], "out", jobs=1)
+    errors = {one.scan: one.error for one in run_batch(asked).scans}
+    assert errors == {
+        "in/dangling.ply": "in/dangling.ply cannot be read: it is a link to nowhere.ply, and no "
+        "file is there; check its path",
+        "in/loop.ply": "in/loop.ply cannot be read: it is in a loop of links, which leads to no "
+        "file; put the scan there",
+        "in/pipe.ply": "in/pipe.ply cannot be read: it is not an ordinary file; give a mesh file",
+    }
+    witness = Witness()
+    assert run_batch(asked, witness).resumed == len(errors)
+    assert witness.sentences == []
+    (scans / "loop.ply").unlink()
+    cloud(scans / "loop.ply", 60)
+    witness = Witness()
+    (done,) = run_batch(asked, witness).done
+    assert done.scan == "in/loop.ply"
+    assert witness.sentences == ["in/loop.ply is done again: the scan can be read now"]
+    (scans / "loop.ply").unlink()
+    witness = Witness()
+    run_batch(replace(asked, inputs=["in/dangling.ply", "in/pipe.ply"], retry=True), witness)
+    assert witness.sentences == [
+        f"in/{name}.ply is done again: it had failed" for name in ("dangling", "pipe")
+    ]
 
 
 def test_no_file_of_a_batch_is_written_over(tmp_path, script, monkeypatch):

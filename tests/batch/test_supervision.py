@@ -92,7 +92,7 @@ def test_names_that_meshlab_cannot_take(tmp_path, job):
     ("count", "limits", "status", "words"),
     [
         (CRASHES, {}, "crashed", "ended the process by SIGSEGV"),
-        (SWELLS, {"memory": 400 << 20}, "out of memory", "it needs more than 400 MB of memory"),
+        (SWELLS, {"memory": 400 << 20}, "out of memory", "it needs more than 400 MiB of memory"),
         (GRASPS, {"memory": 400 << 20}, "out of memory", "raise --memory-limit, thin it out with"),
         (DIVIDES, {}, "failed", "ZeroDivisionError"),
         (SLEEPS, {"seconds": 1.5}, "timed out", "it takes longer than 1.5 s"),
@@ -129,7 +129,8 @@ def test_a_scan_that_is_too_large_is_told_before_the_work(tmp_path, job):
     report = supervised(one)
     assert report.status == "too large"
     assert "4000000 points" in report.error
-    assert "--max-points" in report.error
+    assert " and the limit leaves 1.1 GB; run it with --max-points " in report.error
+    assert report.error.endswith(", or raise the limit (--memory-limit is 1 GiB)")
 
 
 def test_without_a_limit_what_is_free_is_shared_and_a_want_of_it_may_pass(
@@ -148,9 +149,9 @@ def test_without_a_limit_what_is_free_is_shared_and_a_want_of_it_may_pass(
         file.truncate(6 * 4_000_000 + 1000)  # what so many points take at least
     report = supervised(replace(one, share=1 << 30))
     assert report.status == "too large"
-    assert "1.1 GB are free" in report.error
+    assert "the limit leaves 1.1 GB; " in report.error
     assert report.error.endswith(
-        "scans at once share what is free, fewer --jobs leave more for each"
+        ", or raise the limit (scans at once share what is free: fewer --jobs leave more for each)"
     )
     for status in ("too large", "out of memory"):
         again = why_again(one, replace(report, status=status))
@@ -233,7 +234,9 @@ def test_a_full_disk_is_told_in_the_systems_words(tmp_path, job):
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
         signal.signal(signal.SIGXFSZ, ignored)
     assert report.status == "not written"
-    assert "3000.ply cannot be written" in report.error
+    assert report.error == (
+        f"{one.shown_output} cannot be written: File too large; make room, or give another path"
+    )
     assert left_in(tmp_path / "out") == []
 
 

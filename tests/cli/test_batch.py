@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 
 import pytest
+
+from meshlab_symrecon.batch import BatchReport, ScanReport
+from meshlab_symrecon.batch.log import opened_log
+from meshlab_symrecon.cli.batch_display import _warned, print_table
 
 SCRIPT = """<FilterScript>
  <filter name="Transform: Scale, Normalize">
@@ -52,12 +57,95 @@ def test_a_batch_from_its_first_to_its_second_run(place, run):
     again = run(*options)
     assert again.exit_code == 1
     assert again.stderr.splitlines()[-1].startswith("error: 1 of 3 scans have no result (1 failed)")
+    assert again.stderr.endswith(
+        "; out/batch.jsonl says why, and the same command goes on once that is mended; "
+        "--retry tries even what is as it was\n"
+    )
     assert "[3/3] failed in/c.off" in again.stderr
     assert "3 scans: 2 done, 1 failed (2 from an earlier run)" in again.stdout
     quiet = run("batch", "halve.mlx", "in", "-d", "out", "--quiet")
     assert quiet.exit_code == 1
     assert quiet.stdout == ""
     assert len(quiet.stderr.splitlines()) == 1
+
+
+def test_warnings_are_told_and_counted(place, run):
+    rows = "0 0 0\n1 0 0\n0 1 0\n0 0 1\nnan 0 0\n"
+    (place / "in/a.off").write_text(f"OFF\n5 2 0\n{rows}3 0 2 1\n3 0 1 3\n")
+    options = ("batch", "halve.mlx", "in", "-d", "out", "--jobs", 1)
+    done = run(*options)
+    assert done.exit_code == 0, done.stderr
+    log = [json.loads(line) for line in (place / "out/batch.jsonl").read_text().splitlines()]
+    (sentence,) = log[0]["warnings"]
+    assert "coordinates that are not numbers" in sentence
+    told = done.stderr.splitlines()
+    assert [line.partition(": ")[0] for line in told] == [
+        "[1/2] done in/a.off", "  warning", "[2/2] done in/b.off"
+    ]  # fmt: skip
+    assert told[1] == f"  warning: {sentence}"
+    assert "2 scans: 2 done, 1 with warnings in " in done.stdout
+    again = run(*options)
+    assert again.stderr == ""
+    assert "2 done, 1 with warnings (2 from an earlier run) in " in again.stdout
+    quiet = run(*options, "--again", "--quiet")
+    assert (quiet.stdout, quiet.stderr) == ("", "")
+
+
+def test_of_many_warnings_the_first_are_shown():
+    report = ScanReport("a.ply", "b.ply", "b.ply", "done", warnings=list("abcde"))
+    shown = [f"warning: {letter}" for letter in "abc"]
+    assert _warned(report) == [*shown, "and 2 more in the log"]
+    assert _warned(replace(report, warnings=["a", "b", "c"])) == shown
+    assert _warned(replace(report, warnings=["two\nlines"])) == ["warning: two\\nlines"]
+
+
+ODD = (None, True, -1, 10**400, 1e308, float("nan"), "", "word\n\0", [], [[]], {}, {"a": [1]})
+
+
+def everywhere(data, odd):
+    """Yield copies of plain data, in each of which another part is odd."""
+    yield odd
+    if isinstance(data, (dict, list)):
+        for key, part in data.items() if isinstance(data, dict) else enumerate(data):
+            for other in everywhere(part, odd):
+                copy = data.copy()
+                copy[key] = other
+                yield copy
+
+
+def test_whatever_is_in_a_log_there_is_a_table(tmp_path, capsys):
+    planes = [{"plane": [1.0, 0.0, 0.0, 0.5], "support": 0.9, "confidence": 0.98}] * 2
+    whole = ScanReport(
+        "a.ply", "out/a.ply", "a.ply", "done", work_sha256="w", seconds=1.5, warnings=["odd"],
+        measures={
+            "planes": planes, "mirrored": 7, "surface": {"closed": True, "genus": 0, "faces": 9}
+        },
+        steps=[{"step": "x", "status": "skipped"}], peak_memory_bytes=1 << 20, limits={"memory": 1},
+    ).as_data()  # fmt: skip
+    lines = [whole] + [copy for odd in ODD for copy in everywhere(whole, odd)]
+    path = tmp_path / "batch.jsonl"
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    with opened_log(path) as log:
+        reports, passed_over = log.reports, log.passed_over
+    assert 0 < passed_over < len(lines) - 100
+    assert len(reports) + passed_over == len(lines)
+    print_table(BatchReport(reports, str(path), 1.0))
+    table = capsys.readouterr().out.splitlines()
+    assert len(table) == len(reports) + 2
+    found = "2 planes, first a mirror plane of confidence 0.98, 7 points mirrored, closed, genus 0"
+    assert table[1].endswith(f"{found}, 9 faces")
+
+
+def test_what_is_too_large_is_not_to_be_tried_as_it_is(place, run):
+    cloud = "ply\nformat ascii 1.0\nelement vertex 4000000\nproperty float x\nproperty float y\n"
+    path = place / "in/a.ply"
+    path.write_text(f"{cloud}property float z\nend_header\n")
+    with path.open("ab") as file:
+        file.truncate(6 * 4_000_000 + 1000)  # what so many points take at least
+    done = run("batch", "reconstruct", path, "-d", "out", "--jobs", 1, "--memory-limit", "4G")
+    assert done.exit_code == 1
+    assert "or raise the limit (--memory-limit is 4 GiB)" in done.stderr
+    assert done.stderr.endswith("says why, and the same command goes on once that is mended\n")
 
 
 def test_reconstruct_is_the_whole_method(place, statue, run):

@@ -14,7 +14,7 @@ import pymeshlab
 import pytest
 
 from meshlab_symrecon.errors import SizeError, SymReconWarning
-from meshlab_symrecon.host import reconstruction
+from meshlab_symrecon.host import reconstruction, size
 from meshlab_symrecon.host.files import load, save_current
 from meshlab_symrecon.host.meshset import read_layer
 from meshlab_symrecon.host.size import (
@@ -111,9 +111,8 @@ def test_what_does_not_fit_is_told_with_a_number_of_points_that_does(tmp_path):
     path = announcing(tmp_path, 12_000_000)
     told = refusal(path, 14 * GIGABYTE)
     pattern = (
-        r"(.*) has 12000000 points; reconstruct needs about (\d+) GB and 14 GB are free; run it "
-        r"with --max-points (\d+), which thins the scan out evenly first, or use a machine with "
-        r"more memory"
+        r"(.*) has 12000000 points; reconstruct needs about (\d+) GB and the limit leaves 14 GB; "
+        r"run it with --max-points (\d+), which thins the scan out evenly first, or raise the limit"
     )
     name, needed, fitting = re.fullmatch(pattern, told).groups()
     assert name == str(path)
@@ -139,9 +138,27 @@ def test_a_file_too_large_to_be_read_is_to_be_split(tmp_path):
     assert "split the file into parts" in told
 
 
-def test_too_little_for_any_size_is_no_matter_of_points(tmp_path):
-    told = refusal(announcing(tmp_path, 10), memory_needed(0))
-    assert told.endswith("close other programs, or use a machine with more memory")
+def test_too_little_for_any_size_is_no_matter_of_points(tmp_path, monkeypatch):
+    path = announcing(tmp_path, 10)
+    assert refusal(path, memory_needed(0)).endswith("and the limit leaves 0.4 GB; raise the limit")
+    monkeypatch.setattr(size, "available_memory", lambda: memory_needed(0))
+    told = refusal(path)
+    assert told.endswith(
+        "and 0.4 GB are free; close other programs, or use a machine with more memory"
+    )
+
+
+def test_what_the_machine_lacks_is_no_limit(tmp_path, monkeypatch):
+    """Without a limit, the words are of what is free, and of another machine."""
+    monkeypatch.setattr(size, "available_memory", lambda: 14 * GIGABYTE)
+    for points, words in ((12_000_000, "which thins the scan out"), (10**9, "split the file")):
+        told = refusal(announcing(tmp_path, points))
+        assert " and 14 GB are free; " in told
+        assert words in told
+        assert told.endswith(", or use a machine with more memory")
+        assert refusal(announcing(tmp_path, points), 14 * GIGABYTE) == told.replace(
+            "14 GB are free", "the limit leaves 14 GB"
+        ).replace("use a machine with more memory", "raise the limit")
 
 
 def test_files_of_one_document_count_together(tmp_path):
