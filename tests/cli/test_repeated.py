@@ -196,7 +196,7 @@ def test_a_batch_tells_what_each_step_ran_with(run, inputs, tmp_path):
     script = tmp_path / "s.mlx"
     script.write_text('<FilterScript><filter name="Simplify Points (AP)"/></FilterScript>')
     report, out = tmp_path / "r.json", tmp_path / "out"
-    result = run("batch", script, scan, "-d", out, "--json", report, "--name", "{stem}.stl")
+    result = run("batch", script, scan, "-d", out, "--json", report, "--name", "{stem}.xyz")
     assert result.exit_code == 0, result.stderr
     logged = json.loads((out / "batch.jsonl").read_text(encoding="utf-8"))
     expected = registry().find("generate_simplified_points").bind({}).values()

@@ -36,7 +36,7 @@ def test_numbers_of_native_steps_are_kept_to_the_last_bit_without_plugins():
     assert move.parameters["axisy"] == 7 * THIRD
 
 
-def test_each_step_is_noted_once(monkeypatch):
+def test_each_step_is_noted_once():
     mesh_set = sphere()
     apply_native(mesh_set, "compute_matrix_from_translation", {"axisy": 1.0})
     assert noted_steps(mesh_set) == 1
