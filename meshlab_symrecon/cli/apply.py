@@ -81,7 +81,12 @@ def _command_of(item: Any, written: str) -> click.Command:
     parameters: list[click.Parameter] = [
         click.Argument(["inputs"], nargs=-1, required=inputs_needed, type=path, metavar="IN..."),
         click.Option(["-o", "--output"], type=path, metavar="OUT", help="File of the result."),
-        click.Option(["--json"], type=path, metavar="R.json", help="File of the measures."),
+        click.Option(
+            ["--json"],
+            type=path,
+            metavar="R.json",
+            help="File of the measures, parameters and versions.",
+        ),
         *([max_points()] if inputs_needed else ()),
         *long_options(),
         *(_options_of_ours(item) if ours else _options_of_native(item)),
@@ -156,6 +161,7 @@ def _run(item: Any, files: Files, values: Mapping[str, Any], work: LongWork) -> 
     from meshlab_symrecon.host.paths import check_input
     from meshlab_symrecon.host.records import record_of
     from meshlab_symrecon.host.registration import apply_filter
+    from meshlab_symrecon.host.run_values import noted_steps, values_of_run
     from meshlab_symrecon.host.size import check_memory
     from meshlab_symrecon.host.thinning import thin_current
 
@@ -175,7 +181,9 @@ def _run(item: Any, files: Files, values: Mapping[str, Any], work: LongWork) -> 
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             named = telling(progress, item.menu_name)
+            noted = noted_steps(mesh_set)
             measures = apply_filter(mesh_set, item.python_name, progress=named, **values)
+            parameters = values_of_run(mesh_set, item, values, noted)
         made = _result_layer(mesh_set, item, before)
         if files.output is not None and made is not None:
             progress(1.0, f"writing {files.output}")
@@ -183,12 +191,24 @@ def _run(item: Any, files: Files, values: Mapping[str, Any], work: LongWork) -> 
             record = record_of(mesh_set, files.inputs, _settings(files))
             save_current(mesh_set, files.output, record)
         if files.report is not None:
-            detected = reports.is_detection(measures)
-            reports.write_json(files.report, reports.detection(measures) if detected else measures)
+            reports.write_json(files.report, _report(item, measures, parameters, files))
     for line in reports.measures_in_words(measures):
         work.say(line)
     for sentence in _sentences(item, caught, None if made is not None else files.output):
         work.warn(sentence)
+
+
+def _report(
+    item: Any, measures: Mapping[str, Any], parameters: Mapping[str, Any], files: Files
+) -> dict[str, Any]:
+    """Return what was measured, and beside it what it was measured with."""
+    from meshlab_symrecon.cli import reports
+    from meshlab_symrecon.host.records import versions
+
+    found = reports.detection(measures) if reports.is_detection(measures) else dict(measures)
+    made = {"filter": item.python_name, "parameters": parameters, "versions": versions()}
+    beside = made | _settings(files)
+    return found | {name: value for name, value in beside.items() if name not in found}
 
 
 def _settings(files: Files) -> dict[str, int]:

@@ -30,7 +30,7 @@ __all__ = ["run"]
 )
 @click.option(
     "--json", "report", type=click.Path(path_type=Path), metavar="R.json",
-    help="Also save what became of every step.",
+    help="Also save what became of every step, with its parameters.",
 )  # fmt: skip
 @max_points_option
 @long_work
@@ -54,6 +54,7 @@ def run(
     from meshlab_symrecon.host.file_job import Manner, run_on_files
     from meshlab_symrecon.host.paths import check_output
     from meshlab_symrecon.host.projects import files_of
+    from meshlab_symrecon.host.records import versions
 
     if how["strict"] and how["lenient"]:
         raise click.UsageError("--strict and --lenient contradict each other; give one")
@@ -66,7 +67,7 @@ def run(
     if report is not None:
         files = {"inputs": [str(path) for path in inputs], "output": str(output)}
         settings = {} if max_points is None else {"max_points": max_points}
-        write_json(report, plain(result) | files | settings)
+        write_json(report, plain(result) | files | settings | {"versions": versions()})
     for thinned in result.thinned:
         work.say(f"{thinned.path}: thinned out from {thinned.measured} to {thinned.points} points")
     for step in result.steps:

@@ -22,13 +22,13 @@ import numpy as np
 
 from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.mlx import Param, Script, Step
-from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.written_steps import written_step
 from meshlab_symrecon.plugin import Filter
 from meshlab_symrecon.plugin.parameters import Kind
 
 if TYPE_CHECKING:
     from meshlab_symrecon.host.history import Step as NativeStep
+    from meshlab_symrecon.host.native_filters import NativeFilter
 
 __all__ = [
     "Note",

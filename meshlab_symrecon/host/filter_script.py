@@ -69,7 +69,7 @@ class FilterScript:
     def of(cls, mesh_set: Any) -> FilterScript:
         """Return the steps that ran on a MeshSet, or were loaded into its history.
 
-        Numbers are exact for our filters, and for MeshLab's that ran after ``load_plugins``;
+        Numbers are exact for steps that ran through this package, or after ``load_plugins``;
         pymeshlab itself keeps six digits. Numbers of layers are positions.
 
         Raises

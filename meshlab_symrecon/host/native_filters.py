@@ -18,6 +18,7 @@ from meshlab_symrecon.host.cloud_cleaning import reason_to_skip
 from meshlab_symrecon.host.guards import check_step
 from meshlab_symrecon.host.native_values import NativeParameter, checked_value
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.noting import noted
 from meshlab_symrecon.host.remembered import first_defaults
 from meshlab_symrecon.host.translation import script_name_in_python, translated
 from meshlab_symrecon.plugin.parameters import nearest_names, unknown_parameter
@@ -195,6 +196,6 @@ def apply_native(
     if skipped:
         warn_user(f"'{item.menu_name}' was skipped: {skipped}")
         return {}
-    with translated(f"'{item.menu_name}'"):
+    with translated(f"'{item.menu_name}'"), noted(mesh_set, item, arguments):
         measures = mesh_set.apply_filter(item.python_name, **arguments)
     return dict(measures or {})

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import platform
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,21 +13,15 @@ from meshlab_symrecon.host.atomic import reason
 from meshlab_symrecon.host.checksums import sha256_of
 from meshlab_symrecon.host.exact_steps import CHANGE_NAME
 from meshlab_symrecon.host.filter_names import known_today
-from meshlab_symrecon.host.mlx import Param
 from meshlab_symrecon.host.mlx import Step as ScriptStep
-from meshlab_symrecon.host.native_values import SPREAD
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.old_names import CHANGE_LAYER
 from meshlab_symrecon.host.record_text import Input, Record, Step, read_record
+from meshlab_symrecon.host.recorded_values import recorded_values
 from meshlab_symrecon.host.script_history import recorded_script
-from meshlab_symrecon.host.translation import script_name_in_python
 from meshlab_symrecon.host.versions import versions_of_results
 
 __all__ = ["Input", "Record", "Step", "read_record", "record_of", "versions"]
-
-FILES = ("RichOpenFile", "RichSaveFile")
-WHOLE = ("RichInt", "RichMesh", "RichEnum")
-REAL = ("RichFloat", "RichAbsPerc", "RichDynamicFloat", "RichPercentage")
 
 
 def versions() -> dict[str, str]:
@@ -86,33 +79,8 @@ def _input(path: Path) -> Input:
 def _step(step: ScriptStep) -> Step:
     known = known_today(step.name)
     name = step.name if known is None else known.python_name
-    values = {script_name_in_python(param.name): _value(param) for param in step.parameters}
+    values = recorded_values(step, folders=False)
     return Step(CHANGE_LAYER if name == CHANGE_NAME else name, values)
-
-
-def _value(param: Param) -> Any:
-    """Return a value as Python has it; of a file only the name."""
-    text = param.text
-    if text is None:
-        names = SPREAD.get(param.rich_type, tuple(param.attributes))
-        return [_number(param.attributes.get(name, "")) for name in names]
-    if param.rich_type in FILES:
-        return re.split(r"[\\/]", text)[-1]
-    if param.rich_type == "RichBool":
-        return text == "true"
-    if param.rich_type == "RichEnum":
-        return param.attributes.get(f"enum_val{text}", _number(text))
-    return _number(text) if param.rich_type in (*WHOLE, *REAL) else text
-
-
-def _number(text: str) -> int | float | str:
-    for kind in (int, float):
-        try:
-            number = kind(text)
-        except ValueError:
-            continue
-        return number if math.isfinite(number) else text
-    return text
 
 
 def _plain(value: Any) -> Any:

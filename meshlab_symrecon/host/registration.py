@@ -18,9 +18,9 @@ import pymeshlab
 from meshlab_symrecon.errors import PluginError
 from meshlab_symrecon.host import exact_steps, listings, script_history
 from meshlab_symrecon.host.aftermath import aftermath_undone
-from meshlab_symrecon.host.exact_steps import Note
 from meshlab_symrecon.host.native_filters import native_filters
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.noting import noted
 from meshlab_symrecon.host.script import ScriptReport
 from meshlab_symrecon.host.steps import apply_filter, find_filter, registry, run_filter
 from meshlab_symrecon.plugin import Filter, Progress
@@ -41,7 +41,6 @@ _lock = threading.RLock()
 _replaced: list[tuple[Any, str, Any]] = []  # owner, attribute, what was there (_NOTHING: nothing)
 _NOTHING = object()
 _native_filter_list = pymeshlab.filter_list
-_native_parameter_values = pymeshlab.MeshSet.filter_parameter_values
 
 
 def load_plugins() -> None:
@@ -134,29 +133,11 @@ def _apply_filter(native: Callable[..., Any]) -> Callable[..., Any]:
     def method(self: Any, filter_name: str, **parameters: object) -> Any:
         if filter_name in registry():
             return run_filter(self, find_filter(filter_name), parameters)
-        about_to_run = _note_of_native(self, filter_name, parameters)
-        with aftermath_undone():
-            measures = native(self, filter_name, **parameters)
-        if about_to_run is not None:
-            exact_steps.note(self, about_to_run)
-        return measures
+        item = native_filters().get(filter_name)
+        with noted(self, item, parameters), aftermath_undone():
+            return native(self, filter_name, **parameters)
 
     return method
-
-
-def _note_of_native(mesh_set: Any, name: str, parameters: dict[str, object]) -> Note | None:
-    """Return the values that a native step is about to run with; None where they cannot be known.
-
-    Mistakes in them are left to pymeshlab, which is about to raise its own errors.
-    """
-    item = native_filters().get(name)
-    if item is None or item.probed or ("empty" in item.fatal and mesh_set.mesh_number() == 0):
-        return None
-    try:
-        used = _native_parameter_values(mesh_set, name, **parameters)
-        return exact_steps.note_of(mesh_set, item, exact_steps.in_full(used, parameters))
-    except Exception:  # noqa: BLE001  pymeshlab raises five unrelated kinds
-        return None
 
 
 def _filter_parameter_values(native: Callable[..., Any]) -> Callable[..., Any]:

@@ -13,20 +13,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from meshlab_symrecon.errors import GeometryError, ParameterError, ScriptError, SymReconError
+from meshlab_symrecon.errors import ScriptError, SymReconError
 from meshlab_symrecon.host.checking import check_document
-from meshlab_symrecon.host.cloud_cleaning import reason_to_skip
 from meshlab_symrecon.host.document_state import DocumentState
 from meshlab_symrecon.host.findings import ERROR, REMARK, SKIP, Finding, check_findings, place
-from meshlab_symrecon.host.meshset import current_identifier
 from meshlab_symrecon.host.mlx import Script, Step
 from meshlab_symrecon.host.mlx_reading import read_script
-from meshlab_symrecon.host.native_filters import apply_native
-from meshlab_symrecon.host.notices import warn_user
-from meshlab_symrecon.host.old_names import CHANGE_LAYER
 from meshlab_symrecon.host.resolution import ResolvedStep, matched
-from meshlab_symrecon.host.steps import run_filter
-from meshlab_symrecon.plugin import Filter, Progress
+from meshlab_symrecon.host.step_running import Ran, run_resolved
+from meshlab_symrecon.plugin import Progress
 from meshlab_symrecon.plugin.filter import silent
 
 __all__ = ["ScriptReport", "StepReport", "checked_script", "run_script", "run_steps"]
@@ -54,6 +49,11 @@ class StepReport:
     seconds : float
     measures : mapping
         What the filter returned.
+    parameters : mapping
+        All that it ran with, by Python names, as plain data; empty when nothing ran.
+    then : mapping
+        ``filter`` and ``parameters`` of the one that ran after it, for what an old parameter did;
+        empty for most.
     """
 
     file: str
@@ -64,6 +64,8 @@ class StepReport:
     notes: tuple[str, ...] = ()
     seconds: float = 0.0
     measures: Mapping[str, Any] = field(default_factory=dict)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    then: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,7 +176,7 @@ class _Runner:
         started = time.perf_counter()
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            status, measures, failure = self._attempted(number, resolved, found, progress)
+            status, ran, failure = self._attempted(number, resolved, found, progress)
         for warning in caught:
             warnings.warn_explicit(
                 warning.message, warning.category, warning.filename, warning.lineno
@@ -184,7 +186,7 @@ class _Runner:
         return StepReport(
             str(self.script.path), step.line, step.name,
             "" if resolved is None else resolved.python_name, status, tuple(notes),
-            time.perf_counter() - started, measures,
+            time.perf_counter() - started, ran.measures, ran.parameters, ran.then,
         )  # fmt: skip
 
     def _attempted(
@@ -193,48 +195,20 @@ class _Runner:
         resolved: ResolvedStep | None,
         found: Sequence[Finding],
         progress: Progress,
-    ) -> tuple[str, Mapping[str, Any], list[str]]:
-        """Run a step; return what became of it, what it measured, and why it failed."""
+    ) -> tuple[str, Ran, list[str]]:
+        """Run a step; return what became of it, what ran, and why it failed."""
         if resolved is None or any(finding.remedy == SKIP for finding in found):
-            return SKIPPED, {}, []
+            return SKIPPED, Ran(), []
         try:
-            measures = self._applied(resolved, progress)
+            ran = run_resolved(self.mesh_set, resolved, self.meshes, progress)
         except SymReconError as error:
             words = _named(resolved.step, error)
             if not self.lenient:
                 where = place(str(self.script.path), resolved.step.line, number)
                 raise ScriptError(f"{where}: {words}") from error
-            return SKIPPED, {}, [words]
+            return SKIPPED, Ran(), [words]
         mapped = any(finding.severity != REMARK for finding in found)
-        return MAPPED if mapped else RAN, measures, []
-
-    def _applied(self, resolved: ResolvedStep, progress: Progress) -> Mapping[str, Any]:
-        values = dict(resolved.values)
-        for name in resolved.layers:
-            values[name] = _identifier_at(self.mesh_set, name, values[name])
-        if isinstance(resolved.filter, Filter):
-            return run_filter(self.mesh_set, resolved.filter, values, progress)
-        if isinstance(resolved.filter, str):
-            if resolved.filter == CHANGE_LAYER:
-                self.mesh_set.set_current_mesh(values["mesh"])
-            return {}
-        before = current_identifier(self.mesh_set)
-        was_mesh = before in self.meshes
-        reason = reason_to_skip(self.mesh_set, resolved.filter, values)
-        if reason and not was_mesh:
-            message = f"{reason}; reconstruct a surface first, or run leniently to pass over it"
-            raise GeometryError(message)
-        measures = apply_native(
-            self.mesh_set, resolved.filter.python_name, values, may_empty=was_mesh
-        )
-        if reason:
-            warn_user(f"'{resolved.filter.menu_name}' deleted every point: no face was left")
-        then = resolved.then
-        if then is not None and self.mesh_set.current_mesh().face_number():
-            measures |= apply_native(self.mesh_set, then.python_name, then.values)
-        if resolved.keeps_current and self.mesh_set.mesh_id_exists(before):
-            self.mesh_set.set_current_mesh(before)
-        return measures
+        return MAPPED if mapped else RAN, ran, []
 
 
 def _in_words(finding: Finding, step: Step) -> str:
@@ -249,15 +223,3 @@ def _named(step: Step, error: SymReconError) -> str:
     """Return the error's words, with the name of the step unless they have it."""
     words = str(error)
     return words if step.name.strip() in words else f"'{step.name.strip()}': {words}"
-
-
-def _identifier_at(mesh_set: Any, parameter: str, position: int) -> int:
-    """Return the identifier of the layer at a position: scripts count, MeshLab numbers."""
-    identifiers = [int(mesh.id()) for mesh in mesh_set]
-    if position >= len(identifiers):
-        message = (
-            f"parameter '{parameter}' must be the position of a layer, counted from 0; "
-            f"got {position}; the document has {len(identifiers)} layers at this step"
-        )
-        raise ParameterError(message)
-    return identifiers[position]

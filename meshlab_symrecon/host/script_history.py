@@ -33,8 +33,8 @@ UNTYPED = "RichString"  # what the native history keeps as it is
 def recorded_script(mesh_set: Any) -> Script:
     """Return the steps that ran, or were loaded, on a MeshSet.
 
-    Numbers are exact for steps that ran after ``load_plugins``, and for ours; pymeshlab keeps six
-    digits of the others. Numbers of layers are positions, as in every script.
+    Numbers are exact for steps that ran through this package, or after ``load_plugins``; pymeshlab
+    keeps six digits of the others. Numbers of layers are positions, as in every script.
     """
     return exact_steps.exact_script(mesh_set, history.read_history(mesh_set))
 

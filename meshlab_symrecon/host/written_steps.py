@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pymeshlab
 
 from meshlab_symrecon.host.mlx import Param, Step, step_of
-from meshlab_symrecon.host.native_filters import NativeFilter
 from meshlab_symrecon.host.native_values import SPREAD, NativeParameter, checked_value
 from meshlab_symrecon.plugin import Filter
+
+if TYPE_CHECKING:
+    from meshlab_symrecon.host.native_filters import NativeFilter
 
 __all__ = ["written_step"]
 

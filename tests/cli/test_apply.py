@@ -38,7 +38,8 @@ def test_a_detection_by_every_name(run, statue, tmp_path, plane, name):
     )
     assert result.exit_code == 0, result.stderr
     report = json.loads((tmp_path / "r.json").read_text())
-    assert list(report) == ["planes", "converged"]
+    assert list(report) == ["planes", "converged", "filter", "parameters", "versions"]
+    assert report["filter"] == "generate_reflection_planes"
     assert report["converged"] is True
     best = report["planes"][0]
     assert list(best) == ["plane", "support", "residual", "confidence"]
@@ -57,7 +58,8 @@ def test_no_plane_is_an_honest_result(run, lopsided, tmp_path):
     (sentence,) = result.stderr.splitlines()
     assert sentence.startswith("warning: no reflection plane was found")
     assert sentence.endswith(f"{output} was not written")
-    assert json.loads((tmp_path / "r.json").read_text()) == {"planes": [], "converged": True}
+    report = json.loads((tmp_path / "r.json").read_text())
+    assert (report["planes"], report["converged"]) == ([], True)
     assert [path.name for path in tmp_path.iterdir()] == ["r.json"]
 
 
