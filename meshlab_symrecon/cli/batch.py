@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from meshlab_symrecon.cli.border import DONE, FAILED, OF_SIGNALS
+from meshlab_symrecon.host.fewest_points import FEWEST_POINTS
 
 if TYPE_CHECKING:
     from meshlab_symrecon.batch import Batch, BatchReport, Limits
@@ -51,7 +52,7 @@ SEED_LIMIT = 2**31 - 1
 )  # fmt: skip
 @click.option("--memory-limit", "memory", metavar="4G", help="End a scan that needs more.")
 @click.option(
-    "--max-points", "points", type=click.IntRange(100), metavar="N",
+    "--max-points", "points", type=click.IntRange(FEWEST_POINTS), metavar="N",
     help="Thin a scan with more points out evenly to these first.",
 )  # fmt: skip
 @click.option(

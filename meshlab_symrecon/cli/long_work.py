@@ -22,6 +22,7 @@ from meshlab_symrecon.cli.border import sentence_of
 from meshlab_symrecon.cli.progress import progress_bar
 from meshlab_symrecon.cli.threads import limited_threads
 from meshlab_symrecon.cli.work_log import WorkLog
+from meshlab_symrecon.host.fewest_points import FEWEST_POINTS
 
 __all__ = [
     "LONG_NAMES",
@@ -113,7 +114,7 @@ def max_points() -> click.Option:
     """Return the option that bounds the size of the work."""
     return click.Option(
         ["--max-points"],
-        type=click.IntRange(min=1),
+        type=click.IntRange(min=FEWEST_POINTS),
         metavar="N",
         help="Thin a scan with more points out evenly to these first.",
     )

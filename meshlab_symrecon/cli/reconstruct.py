@@ -87,14 +87,11 @@ def reconstruct(
     from meshlab_symrecon.cli.reports import write_json
     from meshlab_symrecon.host.atomic import together
     from meshlab_symrecon.host.reconstruction import whole_method
-    from meshlab_symrecon.host.thinning import check_most
 
     started = time.perf_counter()
     outputs = Outputs(output, project, json_path, preview, report)
     check_outputs(scan, outputs)
     most = settings.pop("max_points")
-    if most is not None:
-        check_most(most)
     with together(), work.progress("reconstructing") as progress:
         result = whole_method(
             scan,

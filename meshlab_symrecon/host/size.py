@@ -9,6 +9,7 @@ from pathlib import Path
 
 from meshlab_symrecon.errors import SizeError, UnknownFilterError
 from meshlab_symrecon.host.announced import Announced, announced_points
+from meshlab_symrecon.host.fewest_points import FEWEST_POINTS
 from meshlab_symrecon.host.filter_names import known_today
 from meshlab_symrecon.host.free_memory import available_memory, used_memory
 
@@ -133,7 +134,7 @@ def check_memory(
     Parameters
     ----------
     paths : path or paths
-        What is read into one document; the steps work on the largest.
+        What is read into one document, twice what is given twice; the steps work on the largest.
     limit : int, optional
         Bytes that the whole process may take; what is available when left out.
     most : int, optional
@@ -151,23 +152,29 @@ def check_memory(
         The estimate is above the limit; the message says what to do.
     """
     listed = [paths] if isinstance(paths, str | Path) else list(paths)
-    sizes = {Path(path): announced_points(path) for path in listed}
-    known = {path: size for path, size in sizes.items() if size is not None}
+    sizes = [(announced_points(path), path) for path in listed]
+    known = [(size, path) for size, path in sizes if size is not None]
     if not known:
         return
-    largest = max(known, key=lambda path: known[path].points)
-    others = [size for path, size in known.items() if path != largest]
-    beside = sum(READ_POINT * size.points + READ_FACE * size.faces for size in others)
+    size, largest = max(known, key=lambda pair: pair[0].points)
+    read = sum(READ_POINT * each.points + READ_FACE * each.faces for each, _ in known)
+    beside = read - (READ_POINT * size.points + READ_FACE * size.faces)
     free = (available_memory() if limit is None else limit) - beside
-    size = known[largest]
-    problem = _problem(size, free, most, steps, work, option)
+    there = f"{_gigabytes(free)} are free" + (" beside the other inputs" if beside else "")
+    problem = _problem(size, free, there, most, steps, work, option)
     if problem:
         about = "" if size.exact else "about "
         raise SizeError(f"{largest} has {about}{size.points} points; {problem}")
 
 
 def check_rest(
-    path: Path, points: int, steps: Sequence[str], limit: int | None = None, *, measured: int
+    path: Path,
+    points: int,
+    steps: Sequence[str],
+    limit: int | None = None,
+    *,
+    measured: int,
+    option: str = "--max-points",
 ) -> None:
     """Refuse the rest of a job when the document in memory turns out larger than was expected.
 
@@ -183,6 +190,8 @@ def check_rest(
         Bytes that the whole process may take; what is available when left out.
     measured : int
         The points that the job began with.
+    option : str
+        As for ``check_memory``.
 
     Raises
     ------
@@ -196,7 +205,7 @@ def check_rest(
         fitting = _rounded(int(share * measured))
         raise SizeError(
             f"{path}: {points} points need about {_gigabytes(needed)} more in "
-            f"'{steps[-1]}' and {_gigabytes(free)} are free; {_advice(fitting, '--max-points')}"
+            f"'{steps[-1]}' and {_gigabytes(free)} are free; {_advice(fitting, option)}"
         )
 
 
@@ -206,10 +215,15 @@ def _on_top(points: int, steps: Sequence[str]) -> int:
 
 
 def _problem(
-    size: Announced, free: int, most: int | None, steps: Sequence[str], work: str, option: str
+    size: Announced,
+    free: int,
+    there: str,
+    most: int | None,
+    steps: Sequence[str],
+    work: str,
+    option: str,
 ) -> str:
     """Return what is wrong, and what to do; empty when nothing is."""
-    there = f"{_gigabytes(free)} are free"
     reading = memory_needed(size.points, size.faces, ())
     if reading > free:
         return (
@@ -227,7 +241,7 @@ def _problem(
 
 
 def _advice(fitting: int, option: str) -> str:
-    if fitting == 0:
+    if fitting < FEWEST_POINTS:
         return "close other programs, or use a machine with more memory"
     if option:
         return (
