@@ -592,7 +592,7 @@ def announcing(path, points):
 
 
 REFUSED = (
-    r"error: large\.ply has 4000000 points; {work} needs about 2\.\d GB and 2\.0 GB are free; "
+    r"error: large\.ply has 4000000 points; {work} needs about [23]\.\d GB and 2\.0 GB are free; "
     r"{out}, or use a machine with more memory\n"
 )
 
