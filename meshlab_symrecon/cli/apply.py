@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
+from meshlab_symrecon.cli.file_path import FilePath
 from meshlab_symrecon.cli.long_work import LONG_NAMES, LongWork, long_options, max_points, working
 from meshlab_symrecon.cli.threads import asked_threads, limited_threads
 from meshlab_symrecon.errors import ParameterError
@@ -45,11 +47,26 @@ class FilterGroup(click.Group):
             raise click.UsageError("give a FILTER; 'symrecon filters' lists them", ctx)
         return parsed
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command:
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Return the command of a filter; raise our own error for an unknown one."""
+        from meshlab_symrecon.errors import UnknownFilterError
         from meshlab_symrecon.host.resolution import find_any
 
-        return _command_of(find_any(cmd_name), cmd_name)
+        try:
+            return _command_of(find_any(cmd_name), cmd_name)
+        except UnknownFilterError:
+            if ctx.resilient_parsing:  # the shell completes the line
+                return None
+            raise
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Return the Python names and aliases that begin so, and options as for any command."""
+        from meshlab_symrecon.host.native_filters import native_filters
+        from meshlab_symrecon.host.registration import registry
+
+        own = [name for item in registry() for name in (item.python_name, *item.aliases)]
+        names = [name for name in (*own, *native_filters()) if name.startswith(incomplete)]
+        return [CompletionItem(name) for name in names] + super().shell_complete(ctx, incomplete)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -80,7 +97,7 @@ def apply(**shared: Any) -> None:
 
 
 def _shared_options(thinned: bool = True) -> list[click.Parameter]:
-    path = click.Path(path_type=Path)
+    path = FilePath()
     return [
         click.Option(["-o", "--output"], type=path, metavar="OUT", help="File of the result."),
         click.Option(["--json"], type=path, metavar="R.json", help="File of the measures."),
@@ -113,7 +130,7 @@ def _command_of(item: Any, written: str) -> click.Command:
     ours = isinstance(item, Filter)
     context = {"token_normalize_func": lambda token: token.lower().replace("_", "-")}
     inputs_needed = not item.python_name.startswith(MAKES_FROM_NOTHING)
-    path = click.Path(path_type=Path)
+    path = FilePath()
     parameters: list[click.Parameter] = [
         click.Argument(["inputs"], nargs=-1, required=inputs_needed, type=path, metavar="IN..."),
         *_shared_options(thinned=inputs_needed),

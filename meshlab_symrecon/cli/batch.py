@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from meshlab_symrecon.cli.border import DONE, FAILED, OF_SIGNALS
+from meshlab_symrecon.cli.file_path import FilePath
 from meshlab_symrecon.host.fewest_points import FEWEST_POINTS
 
 if TYPE_CHECKING:
@@ -27,8 +28,8 @@ SEED_LIMIT = 2**31 - 1
 
 
 @click.command()
-@click.argument("script", metavar="SCRIPT.mlx")
-@click.argument("inputs", nargs=-1, required=True, metavar="IN...")
+@click.argument("script", type=click.Path(), metavar="SCRIPT.mlx")
+@click.argument("inputs", nargs=-1, required=True, type=click.Path(), metavar="IN...")
 @click.option(
     "-d", "--directory", "folder", type=click.Path(), required=True,
     metavar="OUTDIR", help="Folder of the results; it is made when it is missing.",
@@ -60,11 +61,11 @@ SEED_LIMIT = 2**31 - 1
     help="Work on the cluster of this dask scheduler, such as tcp://host:8786.",
 )  # fmt: skip
 @click.option(
-    "--log", type=click.Path(path_type=Path), metavar="FILE.jsonl",
+    "--log", type=FilePath(), metavar="FILE.jsonl",
     help="One line of JSON a scan; OUTDIR/batch.jsonl when left out.",
 )  # fmt: skip
 @click.option(
-    "--json", "summary", type=click.Path(path_type=Path), metavar="R.json",
+    "--json", "summary", type=FilePath(), metavar="R.json",
     help="Also save what became of all scans.",
 )  # fmt: skip
 @click.option("--retry", is_flag=True, help="Work again on scans that have failed before.")

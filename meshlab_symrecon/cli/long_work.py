@@ -19,6 +19,7 @@ from typing import Any
 import click
 
 from meshlab_symrecon.cli.border import sentence_of
+from meshlab_symrecon.cli.file_path import FilePath
 from meshlab_symrecon.cli.progress import progress_bar
 from meshlab_symrecon.cli.threads import limited_threads
 from meshlab_symrecon.cli.work_log import WorkLog
@@ -83,7 +84,7 @@ def long_options() -> list[click.Option]:
         click.Option(["-q", "--quiet"], is_flag=True, help="Say nothing but errors."),
         click.Option(
             ["--log"],
-            type=click.Path(path_type=Path),
+            type=FilePath(),
             metavar="FILE",
             help="Append what happens to a file: stages with seconds and memory, warnings, errors.",
         ),

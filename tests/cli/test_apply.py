@@ -7,9 +7,11 @@ import re
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from meshlab_symrecon.arrays import as_planes
 from meshlab_symrecon.cli.apply import RESERVED
+from meshlab_symrecon.cli.main import main
 from meshlab_symrecon.geometry.plane_quads import planes_as_quads
 from meshlab_symrecon.host.files import load, new_document, save_current
 from meshlab_symrecon.host.meshset import add_layer, read_layer
@@ -202,6 +204,28 @@ def test_options_of_every_filter_stand_before_its_name_too(run, statue, tmp_path
     assert sheets[0].read_bytes() == sheets[1].read_bytes()
     assert reports[0].read_bytes() == reports[1].read_bytes()
     assert log.read_text().count("done after") == 2
+
+
+def completed(words, monkeypatch):
+    monkeypatch.setenv("_SYMRECON_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", words)
+    monkeypatch.setenv("COMP_CWORD", str(len(words.split(" ")) - 1))
+    result = CliRunner().invoke(main, [])
+    assert (result.exit_code, result.stderr) == (0, "")
+    return {line.rpartition(",")[2] for line in result.stdout.splitlines()}
+
+
+def test_the_shell_completes_filters_and_their_options(monkeypatch):
+    every = {name for item in registry() for name in (item.python_name, *item.aliases)}
+    every |= set(native_filters())
+    assert completed("symrecon apply ", monkeypatch) == every
+    beginning = {name for name in every if name.startswith("generate_re")}
+    assert completed("symrecon apply generate_re", monkeypatch) == beginning
+    assert completed("symrecon apply --m", monkeypatch) == {"--max-points"}
+    for before in ("", "-o x.ply "):
+        words = f"symrecon apply {before}detect_reflection_planes --max"
+        assert completed(words, monkeypatch) == {"--max-points", "--maxplanes"}
+    assert completed("symrecon apply nope --max", monkeypatch) == {"--max-points"}
 
 
 def test_what_stands_behind_the_filter_counts(run, tmp_path):

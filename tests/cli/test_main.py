@@ -174,6 +174,42 @@ def test_an_output_that_is_full_is_one_sentence(tmp_path):
     assert (ended.returncode, ended.stderr) == (1, "error: No space left on device\n")
 
 
+FILES = [
+    ["reconstruct", "{}", "-o", "a.ply"],
+    ["reconstruct", "b.ply", "-o", "{}"],
+    ["reconstruct", "b.ply", "-o", "a.ply", "--report", "{}"],
+    ["apply", "create_cube", "-o", "{}"],
+    ["apply", "--json", "{}", "create_cube"],
+    ["apply", "get_geometric_measures", "{}", "--json", "r.json"],
+    ["run", "{}", "-o", "a.ply"],
+    ["run", "s.mlx", "{}", "-o", "a.ply"],
+    ["run", "s.mlx", "-o", "a.ply", "--log", "{}"],
+    ["batch", "s.mlx", "b.ply", "-d", "out", "--json", "{}"],
+    ["check", "{}"],
+    ["check", "s.mlx", "--json", "{}"],
+    ["upgrade", "{}"],
+    ["upgrade", "s.mlx", "{}"],
+]
+
+
+@pytest.mark.parametrize("words", FILES, ids=" ".join)
+def test_no_name_and_a_stream_are_no_files(run, tmp_path, monkeypatch, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.mlx").write_text('<FilterScript><filter name="Icosahedron"/></FilterScript>')
+    for path, said in (("", "the path is empty"), ("-", "'-' is no file")):
+        result = run(*(word.format(path) for word in words))
+        assert result.exit_code == 2
+        assert said in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["s.mlx"]
+
+
+def test_a_file_may_be_called_like_a_stream(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run("apply", "create_cube", "-o", "a.ply").exit_code == 0
+    assert run("apply", "get_geometric_measures", "a.ply", "--json", "./-").exit_code == 0
+    assert json.loads((tmp_path / "-").read_text())["surface_area"] == pytest.approx(6.0)
+
+
 def test_the_package_is_the_program(tmp_path):
     command = [sys.executable, "-m", "meshlab_symrecon", "--version"]
     told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
