@@ -14,7 +14,7 @@ class FilePath(click.Path):
     """A path that names something: ``pathlib`` would read an empty one as the folder ``.``."""
 
     def __init__(self) -> None:
-        super().__init__(path_type=Path)
+        super().__init__(path_type=Path, readable=False)  # that, a reader says better
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the path; refuse what other programs take for a stream, and what names nothing."""

@@ -203,6 +203,49 @@ def test_no_name_and_a_stream_are_no_files(run, tmp_path, monkeypatch, words):
     assert [path.name for path in tmp_path.iterdir()] == ["s.mlx"]
 
 
+def without_rights(monkeypatch, *, path, denied):
+    """Have the system deny a right to a file, for the superuser has every right."""
+    real = os.access
+
+    def access(asked, mode, **more):
+        return not (Path(asked).name == path and mode & denied) and real(asked, mode, **more)
+
+    monkeypatch.setattr(os, "access", access)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["apply", "create_cube", "-o", "a.ply"],
+        ["apply", "get_geometric_measures", "b.ply", "--json", "a.ply"],
+        ["run", "s.mlx", "-o", "a.ply"],
+        ["run", "s.mlx", "-o", "c.ply", "--log", "a.ply"],
+        ["reconstruct", "b.ply", "-o", "a.ply"],
+    ],
+    ids=" ".join,
+)
+def test_a_read_only_file_stays(run, tmp_path, monkeypatch, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.mlx").write_text('<FilterScript><filter name="Icosahedron"/></FilterScript>')
+    assert run("apply", "create_cube", "-o", "b.ply").exit_code == 0
+    (tmp_path / "a.ply").write_bytes(b"")
+    without_rights(monkeypatch, path="a.ply", denied=os.W_OK)
+    result = run(*words)
+    told = "error: a.ply cannot be written: the file there is read-only; give another path\n"
+    assert (result.exit_code, result.stderr) == (1, told)
+    assert (tmp_path / "a.ply").read_bytes() == b""
+    assert not (tmp_path / "c.ply").exists()
+
+
+def test_an_unreadable_file_is_no_wrong_usage(run, tmp_path, monkeypatch):
+    """Only the reader knows: an output that exists need not be readable."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.ply").write_bytes(b"")
+    without_rights(monkeypatch, path="a.ply", denied=os.R_OK)
+    assert run("apply", "create_cube", "-o", "a.ply").exit_code == 0
+    assert load(tmp_path / "a.ply").current_mesh().vertex_number() == 8
+
+
 def test_a_file_may_be_called_like_a_stream(run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run("apply", "create_cube", "-o", "a.ply").exit_code == 0
