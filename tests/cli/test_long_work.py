@@ -160,8 +160,7 @@ def test_a_log_that_the_system_refuses(tmp_path, monkeypatch, method):
     monkeypatch.setattr(work_log.Path, method, refuse)
     with pytest.raises(FileError, match=r"cannot be written: Permission denied; give another path"):
         work_log.WorkLog(tmp_path / "l.txt")
-    monkeypatch.setattr(work_log.Path, "exists", lambda path: True)
-    monkeypatch.setattr(work_log.Path, "is_file", lambda path: True)
+    (tmp_path / "l.txt").touch()
     with pytest.raises(FileError, match=r"cannot be read: Permission denied; give another path"):
         work_log.WorkLog(tmp_path / "l.txt")
 
