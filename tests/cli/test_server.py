@@ -12,7 +12,7 @@ import pytest
 
 from meshlab_symrecon import __version__
 from meshlab_symrecon.cli import server_run
-from meshlab_symrecon.cli.server import main
+from meshlab_symrecon.cli.server import LOUD, main
 from meshlab_symrecon.cli.server_job import FLAGS
 from meshlab_symrecon.host import size
 from meshlab_symrecon.host.files import load, new_document
@@ -62,8 +62,9 @@ def script(path, *steps):
 
 
 @pytest.fixture
-def serve(capfd):
+def serve(capfd, monkeypatch):
     """Return a function that runs a command line; it returns exit code, output and errors."""
+    monkeypatch.setenv("QT_LOGGING_RULES", LOUD)  # as the program does, but for this test alone
 
     def call(*words):
         capfd.readouterr()
