@@ -30,6 +30,7 @@ ALLOWED = {
     "pictures": BORDER,
     "batch": BORDER | {"plugin", "host"},
     "cli": BORDER | {"plugin", "host", "pictures", "batch"},
+    "__main__": {"cli"},
     "": {"errors", "host", "plugin"},  # the package itself, lazily
 }
 

@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
+from meshlab_symrecon.cli.file_path import FilePath
 from meshlab_symrecon.cli.long_work import LONG_NAMES, LongWork, long_options, max_points, working
 from meshlab_symrecon.cli.threads import asked_threads, limited_threads
 from meshlab_symrecon.errors import ParameterError
@@ -22,13 +24,49 @@ MAKES_FROM_NOTHING = "create_"  # native filters that need no input
 
 
 class FilterGroup(click.Group):
-    """A group whose commands are the filters, by any of their names."""
+    """A group whose commands are the filters, by any of their names.
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command:
+    The options that every filter has may stand before its name; they are the filter's all the same.
+    """
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse the words with those before the filter's name put behind it."""
+        try:
+            _, named, _ = self.make_parser(ctx).parse_args(list(args))
+        except click.NoSuchOption as error:
+            message = (
+                f"there is no option '{error.option_name}' before FILTER; the filter's own options "
+                "stand behind its name"
+            )
+            raise click.UsageError(message, ctx) from error
+        before = args[: len(args) - len(named)]
+        if before[-1:] == ["--"]:
+            before = before[:-1]
+        parsed = super().parse_args(ctx, [*named[:1], *before, *named[1:]])
+        if not named and not ctx.resilient_parsing:
+            raise click.UsageError("give a FILTER; 'symrecon filters' lists them", ctx)
+        return parsed
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Return the command of a filter; raise our own error for an unknown one."""
+        from meshlab_symrecon.errors import UnknownFilterError
         from meshlab_symrecon.host.resolution import find_any
 
-        return _command_of(find_any(cmd_name), cmd_name)
+        try:
+            return _command_of(find_any(cmd_name), cmd_name)
+        except UnknownFilterError:
+            if ctx.resilient_parsing:  # the shell completes the line
+                return None
+            raise
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Return the Python names and aliases that begin so, and options as for any command."""
+        from meshlab_symrecon.host.native_filters import native_filters
+        from meshlab_symrecon.host.registration import registry
+
+        own = [name for item in registry() for name in (item.python_name, *item.aliases)]
+        names = [name for name in (*own, *native_filters()) if name.startswith(incomplete)]
+        return [CompletionItem(name) for name in names] + super().shell_complete(ctx, incomplete)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -47,13 +85,33 @@ class FilterGroup(click.Group):
     subcommand_metavar="FILTER IN... -o OUT [--PARAMETER VALUE ...]",
     no_args_is_help=True,
 )
-def apply() -> None:
+def apply(**shared: Any) -> None:
     """Run one filter, ours or MeshLab's, by any of its names.
 
-    FILTER is a Python name, an alias or a menu name; 'symrecon apply FILTER --help' shows its
+    FILTER is a Python name, an alias or a menu name; 'symrecon apply FILTER --help' shows its own
     parameters, 'symrecon filters' lists the filters. Several inputs become layers in their order;
     the last one is the current one.
+
+    The options below are those of every filter, before or after its name.
     """
+
+
+def _shared_options(thinned: bool = True) -> list[click.Parameter]:
+    path = FilePath()
+    return [
+        click.Option(["-o", "--output"], type=path, metavar="OUT", help="File of the result."),
+        click.Option(
+            ["--json"],
+            type=path,
+            metavar="R.json",
+            help="File of the measures, parameters and versions.",
+        ),
+        *([max_points()] if thinned else ()),
+        *long_options(),
+    ]
+
+
+apply.params += _shared_options()
 
 
 class ParameterType(click.ParamType):  # type: ignore[type-arg]  # generic in newer clicks only
@@ -77,18 +135,10 @@ def _command_of(item: Any, written: str) -> click.Command:
     ours = isinstance(item, Filter)
     context = {"token_normalize_func": lambda token: token.lower().replace("_", "-")}
     inputs_needed = not item.python_name.startswith(MAKES_FROM_NOTHING)
-    path = click.Path(path_type=Path)
+    path = FilePath()
     parameters: list[click.Parameter] = [
         click.Argument(["inputs"], nargs=-1, required=inputs_needed, type=path, metavar="IN..."),
-        click.Option(["-o", "--output"], type=path, metavar="OUT", help="File of the result."),
-        click.Option(
-            ["--json"],
-            type=path,
-            metavar="R.json",
-            help="File of the measures, parameters and versions.",
-        ),
-        *([max_points()] if inputs_needed else ()),
-        *long_options(),
+        *_shared_options(thinned=inputs_needed),
         *(_options_of_ours(item) if ours else _options_of_native(item)),
     ]
 
@@ -219,10 +269,7 @@ def _settings(files: Files) -> dict[str, int]:
 def _check_files(files: Files) -> None:
     """Refuse every bad output path before the work starts."""
     from meshlab_symrecon.host.paths import check_output
-    from meshlab_symrecon.host.thinning import check_most
 
-    if files.most is not None:
-        check_most(files.most)
     outputs = [] if files.output is None else [files.output]
     if not outputs and files.report is None:
         raise click.UsageError("give -o OUT, or --json R.json, or both")

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from meshlab_symrecon.cli.border import DONE, FAILED, OF_SIGNALS
+from meshlab_symrecon.cli.file_path import FilePath
+from meshlab_symrecon.host.fewest_points import FEWEST_POINTS
 
 if TYPE_CHECKING:
     from meshlab_symrecon.batch import Batch, BatchReport, Limits
@@ -26,8 +28,8 @@ SEED_LIMIT = 2**31 - 1
 
 
 @click.command()
-@click.argument("script", metavar="SCRIPT.mlx")
-@click.argument("inputs", nargs=-1, required=True, metavar="IN...")
+@click.argument("script", type=click.Path(), metavar="SCRIPT.mlx")
+@click.argument("inputs", nargs=-1, required=True, type=click.Path(), metavar="IN...")
 @click.option(
     "-d", "--directory", "folder", type=click.Path(), required=True,
     metavar="OUTDIR", help="Folder of the results; it is made when it is missing.",
@@ -51,7 +53,7 @@ SEED_LIMIT = 2**31 - 1
 )  # fmt: skip
 @click.option("--memory-limit", "memory", metavar="4G", help="End a scan that needs more.")
 @click.option(
-    "--max-points", "points", type=click.IntRange(100), metavar="N",
+    "--max-points", "points", type=click.IntRange(FEWEST_POINTS), metavar="N",
     help="Thin a scan with more points out evenly to these first.",
 )  # fmt: skip
 @click.option(
@@ -59,11 +61,11 @@ SEED_LIMIT = 2**31 - 1
     help="Work on the cluster of this dask scheduler, such as tcp://host:8786.",
 )  # fmt: skip
 @click.option(
-    "--log", type=click.Path(path_type=Path), metavar="FILE.jsonl",
+    "--log", type=FilePath(), metavar="FILE.jsonl",
     help="One line of JSON a scan; OUTDIR/batch.jsonl when left out.",
 )  # fmt: skip
 @click.option(
-    "--json", "summary", type=click.Path(path_type=Path), metavar="R.json",
+    "--json", "summary", type=FilePath(), metavar="R.json",
     help="Also save what became of all scans.",
 )  # fmt: skip
 @click.option("--retry", is_flag=True, help="Work again on scans that have failed before.")

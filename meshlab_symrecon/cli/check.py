@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from meshlab_symrecon.cli.border import DONE, FAILED
+from meshlab_symrecon.cli.file_path import FilePath
 
 if TYPE_CHECKING:
     from meshlab_symrecon.host.document_state import DocumentState
@@ -19,12 +20,12 @@ PASSED_OVER = {"skip": "skipped", "ignore": "ignored"}  # what a lenient run doe
 
 
 @click.command()
-@click.argument("script", type=click.Path(path_type=Path), metavar="SCRIPT.mlx")
-@click.argument("inputs", nargs=-1, type=click.Path(path_type=Path), metavar="[IN]...")
+@click.argument("script", type=FilePath(), metavar="SCRIPT.mlx")
+@click.argument("inputs", nargs=-1, type=FilePath(), metavar="[IN]...")
 @click.option("--strict", is_flag=True, help="What would be mapped or ignored counts as an error.")
 @click.option("--lenient", is_flag=True, help="Errors that a lenient run passes over do not count.")
 @click.option(
-    "--json", "report", type=click.Path(path_type=Path), metavar="R.json",
+    "--json", "report", type=FilePath(), metavar="R.json",
     help="Also save what was found.",
 )  # fmt: skip
 def check(

@@ -19,9 +19,11 @@ from typing import Any
 import click
 
 from meshlab_symrecon.cli.border import sentence_of
+from meshlab_symrecon.cli.file_path import FilePath
 from meshlab_symrecon.cli.progress import progress_bar
 from meshlab_symrecon.cli.threads import limited_threads
 from meshlab_symrecon.cli.work_log import WorkLog
+from meshlab_symrecon.host.fewest_points import FEWEST_POINTS
 
 __all__ = [
     "LONG_NAMES",
@@ -82,7 +84,7 @@ def long_options() -> list[click.Option]:
         click.Option(["-q", "--quiet"], is_flag=True, help="Say nothing but errors."),
         click.Option(
             ["--log"],
-            type=click.Path(path_type=Path),
+            type=FilePath(),
             metavar="FILE",
             help="Append what happens to a file: stages with seconds and memory, warnings, errors.",
         ),
@@ -113,7 +115,7 @@ def max_points() -> click.Option:
     """Return the option that bounds the size of the work."""
     return click.Option(
         ["--max-points"],
-        type=click.IntRange(min=1),
+        type=click.IntRange(min=FEWEST_POINTS),
         metavar="N",
         help="Thin a scan with more points out evenly to these first.",
     )

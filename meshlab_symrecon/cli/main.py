@@ -24,7 +24,9 @@ BATCH_GRACE = 8.0  # seconds to end its processes after Ctrl-C
 
 
 @click.group("symrecon", cls=BorderGroup, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="symrecon", message="%(prog)s %(version)s")
+@click.version_option(
+    __version__, "-V", "--version", prog_name="symrecon", message="%(prog)s %(version)s"
+)
 @click.pass_context
 def main(context: click.Context, /, threads: int | None, **of_commands: Any) -> None:
     """Complete statue scans from their own mirror symmetry, and close them.

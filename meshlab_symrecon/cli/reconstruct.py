@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from meshlab_symrecon.cli.file_path import FilePath
 from meshlab_symrecon.cli.long_work import LongWork, long_work, max_points_option
 
 __all__ = ["reconstruct"]
@@ -16,37 +17,37 @@ SEED_LIMIT = 2**31 - 1
 
 
 @click.command()
-@click.argument("scan", type=click.Path(path_type=Path))
+@click.argument("scan", type=FilePath())
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=FilePath(),
     required=True,
     metavar="STATUE",
     help="File of the closed surface; the extension chooses the format, .ply keeps everything.",
 )
 @click.option(
     "--project",
-    type=click.Path(path_type=Path),
+    type=FilePath(),
     metavar="P.mlp",
     help="Also save every layer, and a MeshLab project that lists them.",
 )
 @click.option(
     "--json",
     "json_path",
-    type=click.Path(path_type=Path),
+    type=FilePath(),
     metavar="R.json",
     help="Also save what was found and measured.",
 )
 @click.option(
     "--preview",
-    type=click.Path(path_type=Path),
+    type=FilePath(),
     metavar="P.png",
     help="Also draw scan, plane and surface side by side (needs matplotlib).",
 )
 @click.option(
     "--report",
-    type=click.Path(path_type=Path),
+    type=FilePath(),
     metavar="R.html",
     help="Also write a page to judge and repeat the result by: a view to turn, what was found and "
     "invented, every parameter and version (needs plotly and matplotlib).",
@@ -87,14 +88,11 @@ def reconstruct(
     from meshlab_symrecon.cli.reports import write_json
     from meshlab_symrecon.host.atomic import together
     from meshlab_symrecon.host.reconstruction import whole_method
-    from meshlab_symrecon.host.thinning import check_most
 
     started = time.perf_counter()
     outputs = Outputs(output, project, json_path, preview, report)
     check_outputs(scan, outputs)
     most = settings.pop("max_points")
-    if most is not None:
-        check_most(most)
     with together(), work.progress("reconstructing") as progress:
         result = whole_method(
             scan,

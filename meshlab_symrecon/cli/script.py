@@ -7,18 +7,19 @@ from typing import Any
 
 import click
 
+from meshlab_symrecon.cli.file_path import FilePath
 from meshlab_symrecon.cli.long_work import LongWork, long_work, max_points_option
 
 __all__ = ["run"]
 
 
 @click.command()
-@click.argument("script", type=click.Path(path_type=Path), metavar="SCRIPT.mlx")
-@click.argument("inputs", nargs=-1, type=click.Path(path_type=Path), metavar="[IN]...")
+@click.argument("script", type=FilePath(), metavar="SCRIPT.mlx")
+@click.argument("inputs", nargs=-1, type=FilePath(), metavar="[IN]...")
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=FilePath(),
     required=True,
     metavar="OUT",
     help="File of the layer that is current at the end; all layers for a .mlp.",
@@ -29,7 +30,7 @@ __all__ = ["run"]
     "--isolate", is_flag=True, help="Work in a child process: a crash in MeshLab is an error."
 )
 @click.option(
-    "--json", "report", type=click.Path(path_type=Path), metavar="R.json",
+    "--json", "report", type=FilePath(), metavar="R.json",
     help="Also save what became of every step, with its parameters.",
 )  # fmt: skip
 @max_points_option

@@ -99,6 +99,8 @@ class _Reader:
             self.one(option)
         elif option in self.takers:
             self.takers[option](option)
+        elif option.startswith("--json="):
+            self.set_file("--json", option.removeprefix("--json="))
         else:
             raise _unknown(option)
 

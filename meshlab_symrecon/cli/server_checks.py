@@ -53,6 +53,8 @@ def check(job: Job) -> Checked:
     ------
     SymReconError
         Everything that is wrong, one a line.
+    SizeError
+        The work would need more memory than there is.
     """
     problems = _Problems()
     scripts, findings = _check_scripts(job, problems)
@@ -60,11 +62,13 @@ def check(job: Job) -> Checked:
     _check_targets(job, problems)
     if problems.sentences:
         raise SymReconError("\n".join(problems.sentences))
-    return Checked(scripts, findings, projects)
+    checked = Checked(scripts, findings, projects)
+    _check_memory(job, checked)
+    return checked
 
 
 def check_on_document(job: Job, checked: Checked, mesh_set: Any) -> tuple[Any, ...]:
-    """Check all scripts in a row on the document that was loaded; nothing is run.
+    """Check all scripts in a row, and the memory, on the document that was loaded; run nothing.
 
     Returns
     -------
@@ -75,6 +79,8 @@ def check_on_document(job: Job, checked: Checked, mesh_set: Any) -> tuple[Any, .
     ------
     ScriptError
         Everything that is certainly wrong, one a line.
+    SizeError
+        What was loaded is larger than its files told, and the scripts need too much memory.
     """
     from meshlab_symrecon.host.checking import check_document
     from meshlab_symrecon.host.document_state import DocumentState
@@ -93,7 +99,42 @@ def check_on_document(job: Job, checked: Checked, mesh_set: Any) -> tuple[Any, .
         for finding in found
     )
     check_findings(findings, lenient=job.lenient)
+    _check_rest(job, checked, mesh_set)
     return findings
+
+
+def _check_memory(job: Job, checked: Checked) -> None:
+    """Refuse what does not fit into memory before anything is loaded."""
+    from meshlab_symrecon.host.size import check_memory
+
+    files: list[Path] = []
+    for load in job.loads:
+        project = checked.projects.get(load.path)
+        files += [load.path] if project is None else [layer.path for layer in project.layers]
+    work = "the conversion" if not checked.scripts else "the script"
+    if len(checked.scripts) > 1:
+        work = "a row of scripts"
+    check_memory(files, steps=_steps_of(checked), work=work, option=_thinning(checked))
+
+
+def _check_rest(job: Job, checked: Checked, mesh_set: Any) -> None:
+    """Refuse it after loading, now that the size is known of what did not announce it."""
+    from meshlab_symrecon.host.size import check_rest
+
+    sizes = [int(mesh.vertex_number()) for mesh in mesh_set]
+    steps = _steps_of(checked)
+    if job.loads and sizes and steps:
+        last = job.loads[-1].path
+        check_rest(last, max(sizes), steps, measured=max(sizes), option=_thinning(checked))
+
+
+def _steps_of(checked: Checked) -> tuple[str, ...]:
+    return tuple(step.name for script in checked.scripts for step in script.steps)
+
+
+def _thinning(checked: Checked) -> str:
+    """Return the command that does the same with fewer points; empty when there is none."""
+    return "symrecon run --max-points" if len(checked.scripts) == 1 else ""
 
 
 def _check_scripts(job: Job, problems: _Problems) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

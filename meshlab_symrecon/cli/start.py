@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 
 TYPE_CHECKING = False  # importing typing would take as long as all that comes before
 
@@ -29,6 +30,7 @@ def server() -> None:
 def _run(program: str) -> None:
     """Load a program and run its ``main``; Ctrl-C is seen to before, and when it is done."""
     _end_at_interrupt()
+    _open_closed_streams()
     _write_names_in_utf_8()
     from importlib import import_module
 
@@ -37,6 +39,25 @@ def _run(program: str) -> None:
         main()
     finally:
         _let_end()
+
+
+def _open_closed_streams() -> None:
+    """Let streams that are closed, as daemons leave them, lead nowhere.
+
+    A file would be opened in their place else, and get what MeshLab tells the standard output.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            opened = os.open(os.devnull, os.O_RDWR)
+            if opened != number:
+                os.dup2(opened, number)
+                os.close(opened)
+            os.set_inheritable(number, True)
+        if getattr(sys, name) is None:
+            mode = "w" if number else "r"
+            setattr(sys, name, open(number, mode, encoding="utf-8", closefd=False))  # noqa: SIM115
 
 
 def _write_names_in_utf_8() -> None:

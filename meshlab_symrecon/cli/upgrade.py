@@ -7,6 +7,8 @@ from typing import Any
 
 import click
 
+from meshlab_symrecon.cli.file_path import FilePath
+
 __all__ = ["upgrade"]
 
 EXAMPLES = """
@@ -19,8 +21,8 @@ symrecon upgrade old.mlx for_meshlab.mlx --native-only
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("old", type=click.Path(path_type=Path), metavar="OLD.mlx")
-@click.argument("new", required=False, type=click.Path(path_type=Path), metavar="[NEW]")
+@click.argument("old", type=FilePath(), metavar="OLD.mlx")
+@click.argument("new", required=False, type=FilePath(), metavar="[NEW]")
 @click.option("--explain", is_flag=True, help="Say in words what each step does, mistakes too.")
 @click.option("--to-python", is_flag=True, help="Write an equivalent program for pymeshlab.")
 @click.option(

@@ -54,7 +54,8 @@ def check_target(path: Path) -> Path:
     Raises
     ------
     FileError
-        The place is a directory or a device, or its directory does not exist.
+        The place is a directory or a device, its directory does not exist, or what is there is
+        read-only: renaming would take no notice of that.
     """
     try:
         target = Path(os.path.realpath(path))
@@ -67,6 +68,9 @@ def check_target(path: Path) -> Path:
         raise FileError(message)
     if exists and not regular:
         message = f"{path} cannot be written: it is not an ordinary file; give a file's path"
+        raise FileError(message)
+    if exists and not os.access(target, os.W_OK):
+        message = f"{path} cannot be written: the file there is read-only; give another path"
         raise FileError(message)
     return target
 

@@ -104,11 +104,13 @@ def _diverted(descriptor: int, name: str, file: BinaryIO) -> Iterator[None]:
     try:
         yield
     finally:
-        if python is not None:
-            python.flush()
-            setattr(sys, name, stream)
-        os.dup2(kept, descriptor)
-        os.close(kept)
+        setattr(sys, name, stream)
+        try:
+            if python is not None:
+                python.close()
+        finally:  # a full disk, or a reader that has gone
+            os.dup2(kept, descriptor)
+            os.close(kept)
 
 
 def _writes_to(stream: Any, descriptor: int) -> bool:

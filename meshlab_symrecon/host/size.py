@@ -9,6 +9,7 @@ from pathlib import Path
 
 from meshlab_symrecon.errors import SizeError, UnknownFilterError
 from meshlab_symrecon.host.announced import Announced, announced_points
+from meshlab_symrecon.host.fewest_points import FEWEST_POINTS
 from meshlab_symrecon.host.filter_names import known_today
 from meshlab_symrecon.host.free_memory import available_memory, used_memory
 
@@ -57,15 +58,21 @@ class Cost:
 
 @dataclass(frozen=True, slots=True)
 class _Room:
-    """Bytes that a job may take, and whether somebody has said so or the machine has no more."""
+    """Bytes that a job may take.
+
+    ``limited``: somebody has said so, or the machine has no more. ``shared``: other inputs take
+    some, too.
+    """
 
     free: int
     limited: bool
+    shared: bool = False
 
     @property
     def in_words(self) -> str:
         shown = _gigabytes(self.free)
-        return f"the limit leaves {shown}" if self.limited else f"{shown} are free"
+        words = f"the limit leaves {shown}" if self.limited else f"{shown} are free"
+        return f"{words} beside the other inputs" if self.shared else words
 
     @property
     def way_out(self) -> str:
@@ -150,7 +157,7 @@ def check_memory(
     Parameters
     ----------
     paths : path or paths
-        What is read into one document; the steps work on the largest.
+        What is read into one document, twice what is given twice; the steps work on the largest.
     limit : int, optional
         Bytes that the whole process may take; what is available when left out.
     most : int, optional
@@ -168,15 +175,15 @@ def check_memory(
         The estimate is above the limit; the message says what to do.
     """
     listed = [paths] if isinstance(paths, str | Path) else list(paths)
-    sizes = {Path(path): announced_points(path) for path in listed}
-    known = {path: size for path, size in sizes.items() if size is not None}
+    sizes = [(announced_points(path), path) for path in listed]
+    known = [(size, path) for size, path in sizes if size is not None]
     if not known:
         return
-    largest = max(known, key=lambda path: known[path].points)
-    others = [size for path, size in known.items() if path != largest]
-    beside = sum(READ_POINT * size.points + READ_FACE * size.faces for size in others)
-    room = _Room((available_memory() if limit is None else limit) - beside, limit is not None)
-    size = known[largest]
+    size, largest = max(known, key=lambda pair: pair[0].points)
+    read = sum(READ_POINT * each.points + READ_FACE * each.faces for each, _ in known)
+    beside = read - (READ_POINT * size.points + READ_FACE * size.faces)
+    free = (available_memory() if limit is None else limit) - beside
+    room = _Room(free, limit is not None, beside > 0)
     problem = _problem(size, room, most, steps, work, option)
     if problem:
         about = "" if size.exact else "about "
@@ -184,7 +191,13 @@ def check_memory(
 
 
 def check_rest(
-    path: Path, points: int, steps: Sequence[str], limit: int | None = None, *, measured: int
+    path: Path,
+    points: int,
+    steps: Sequence[str],
+    limit: int | None = None,
+    *,
+    measured: int,
+    option: str = "--max-points",
 ) -> None:
     """Refuse the rest of a job when the document in memory turns out larger than was expected.
 
@@ -200,6 +213,8 @@ def check_rest(
         Bytes that the whole process may take; what is available when left out.
     measured : int
         The points that the job began with.
+    option : str
+        As for ``check_memory``.
 
     Raises
     ------
@@ -213,7 +228,7 @@ def check_rest(
         fitting = _rounded(int(share * measured))
         raise SizeError(
             f"{path}: {points} points need about {_gigabytes(needed)} more in "
-            f"'{steps[-1]}' and {room.in_words}; {_advice(fitting, '--max-points', room)}"
+            f"'{steps[-1]}' and {room.in_words}; {_advice(fitting, option, room)}"
         )
 
 
@@ -244,7 +259,7 @@ def _problem(
 
 
 def _advice(fitting: int, option: str, room: _Room) -> str:
-    if fitting == 0:
+    if fitting < FEWEST_POINTS:
         return room.way_out if room.limited else f"close other programs, or {room.way_out}"
     if option:
         return (

@@ -9,14 +9,14 @@ import numpy as np
 
 from meshlab_symrecon.arrays import Floats, Indices, Points
 from meshlab_symrecon.errors import ParameterError
+from meshlab_symrecon.host.fewest_points import FEWEST_POINTS
 from meshlab_symrecon.host.meshset import add_layer, current_identifier, read_layer
 from meshlab_symrecon.host.notices import warn_user
 from meshlab_symrecon.host.sources import remember, source_of
 from meshlab_symrecon.plugin import Layer
 
-__all__ = ["FEWEST", "check_most", "even_points", "thin_current"]
+__all__ = ["check_most", "even_points", "thin_current"]
 
-FEWEST = 100  # points that are left at least: with fewer no statue is to be recognised
 PROBE = 100_000  # points on which the size of a cell is guessed
 TRIES = 60
 CLOSE = 0.995  # share of the points asked for that is close enough
@@ -83,8 +83,8 @@ def check_most(most: int) -> None:
     ParameterError
         It is below 100.
     """
-    if most < FEWEST:
-        message = f"a scan must keep at least {FEWEST} points; got {most}; ask for more"
+    if most < FEWEST_POINTS:
+        message = f"a scan must keep at least {FEWEST_POINTS} points; got {most}; ask for more"
         raise ParameterError(message)
 
 

@@ -7,9 +7,11 @@ import re
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from meshlab_symrecon.arrays import as_planes
 from meshlab_symrecon.cli.apply import RESERVED
+from meshlab_symrecon.cli.main import main
 from meshlab_symrecon.geometry.plane_quads import planes_as_quads
 from meshlab_symrecon.host.files import load, new_document, save_current
 from meshlab_symrecon.host.meshset import add_layer, read_layer
@@ -159,6 +161,13 @@ def test_help_of_every_native_filter(run):
         (["detect_reflection_planes", "none.ply", "-o", "a.ply"], 1, "no such file"),
         (["detect_reflection_planes", "x.ply"], 2, "give -o OUT, or --json R.json, or both"),
         (["detect_reflection_planes", "-o", "a.ply"], 2, "Missing argument"),
+        (["-o", "a.ply"], 2, "give a FILTER; 'symrecon filters' lists them"),
+        (["-o", "a.ply", "--"], 2, "give a FILTER; 'symrecon filters' lists them"),
+        (["--maxplanes", "1", "detect_reflection_planes", "x.ply"], 2,
+         "no option '--maxplanes' before FILTER; the filter's own options stand behind its name"),
+        (["--json", "r.json", "-o"], 2, "requires an argument"),
+        (["--max-points", "5", "detect_reflection_planes", "x.ply"], 2, "not in the range x>=100"),
+        (["--max-points", "500", "create_cube", "-o", "a.ply"], 2, "--max-points"),
         (["detect_reflection_planes", "x.ply", "-o", "a.ply", "--maxplnes", "1"], 2, "--maxplanes"),
         (["detect_reflection_planes", "x.ply", "-o", "a.ply", "--maxplanes", "0"], 2, "got 0"),
         (["detect_reflection_planes", "x.ply", "-o", "a.ply", "--maxplanes", "x"], 2, "got 'x'"),
@@ -176,4 +185,52 @@ def test_mistakes(run, tmp_path, monkeypatch, words, code, said):
 
 
 def test_without_a_filter_there_is_help(run):
-    assert "FILTER IN... -o OUT" in run("apply", "--help").stdout
+    shown = run("apply", "--help").stdout
+    assert "FILTER IN... -o OUT" in shown
+    assert "'symrecon apply FILTER --help'" in " ".join(shown.split())
+    assert {f"--{name}" for name in RESERVED} <= set(re.findall(r"--[\w-]+", shown))
+
+
+def test_options_of_every_filter_stand_before_its_name_too(run, statue, tmp_path):
+    sheets = [tmp_path / "behind.ply", tmp_path / "before.ply"]
+    reports = [tmp_path / "behind.json", tmp_path / "before.json"]
+    log = tmp_path / "l.txt"
+    name = "detect_reflection_planes"
+    for number in range(2):
+        shared = ["-o", sheets[number], "--max-points=2000", "--json", reports[number]]
+        shared += ["--log", log, "--threads", 1, "-q"]
+        own = ["--maxplanes", 1, statue]
+        words = [*shared, "--", name, *own] if number else [name, *own, *shared]
+        result = run("apply", *words)
+        assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
+    assert sheets[0].read_bytes() == sheets[1].read_bytes()
+    assert reports[0].read_bytes() == reports[1].read_bytes()
+    assert log.read_text().count("done after") == 2
+
+
+def completed(words, monkeypatch):
+    monkeypatch.setenv("_SYMRECON_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", words)
+    monkeypatch.setenv("COMP_CWORD", str(len(words.split(" ")) - 1))
+    result = CliRunner().invoke(main, [])
+    assert (result.exit_code, result.stderr) == (0, "")
+    return {line.rpartition(",")[2] for line in result.stdout.splitlines()}
+
+
+def test_the_shell_completes_filters_and_their_options(monkeypatch):
+    every = {name for item in registry() for name in (item.python_name, *item.aliases)}
+    every |= set(native_filters())
+    assert completed("symrecon apply ", monkeypatch) == every
+    beginning = {name for name in every if name.startswith("generate_re")}
+    assert completed("symrecon apply generate_re", monkeypatch) == beginning
+    assert completed("symrecon apply --m", monkeypatch) == {"--max-points"}
+    for before in ("", "-o x.ply "):
+        words = f"symrecon apply {before}detect_reflection_planes --max"
+        assert completed(words, monkeypatch) == {"--max-points", "--maxplanes"}
+    assert completed("symrecon apply nope --max", monkeypatch) == {"--max-points"}
+
+
+def test_what_stands_behind_the_filter_counts(run, tmp_path):
+    words = ("apply", "-o", tmp_path / "a.ply", "create_cube", "-o", tmp_path / "b.ply")
+    assert run(*words).exit_code == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["b.ply"]

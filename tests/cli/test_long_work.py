@@ -19,6 +19,7 @@ from meshlab_symrecon.cli.main import main
 from meshlab_symrecon.cli.progress import progress_bar
 from meshlab_symrecon.cli.threads import VARIABLES, asked_threads, limited_threads
 from meshlab_symrecon.errors import FileError
+from meshlab_symrecon.host.fewest_points import FEWEST_POINTS
 from meshlab_symrecon.host.native_filters import native_filters
 from meshlab_symrecon.host.registration import registry
 
@@ -159,8 +160,7 @@ def test_a_log_that_the_system_refuses(tmp_path, monkeypatch, method):
     monkeypatch.setattr(work_log.Path, method, refuse)
     with pytest.raises(FileError, match=r"cannot be written: Permission denied; give another path"):
         work_log.WorkLog(tmp_path / "l.txt")
-    monkeypatch.setattr(work_log.Path, "exists", lambda path: True)
-    monkeypatch.setattr(work_log.Path, "is_file", lambda path: True)
+    (tmp_path / "l.txt").touch()
     with pytest.raises(FileError, match=r"cannot be read: Permission denied; give another path"):
         work_log.WorkLog(tmp_path / "l.txt")
 
@@ -310,11 +310,21 @@ def test_a_scan_is_thinned_out_first(run, statue, tmp_path, name):
         assert "thinned out of" in result.stdout
 
 
-@pytest.mark.parametrize("words", [["reconstruct"], ["apply", "generate_reflection_planes"]])
-def test_too_few_points_are_refused_before_the_work(run, statue, tmp_path, words):
-    result = run(*words, statue, "-o", tmp_path / "a.ply", "--max-points", "5")
-    assert result.exit_code == 1
-    assert "at least 100 points; got 5" in result.stderr
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["reconstruct", "-o", "a.ply"],
+        ["apply", "generate_reflection_planes", "-o", "a.ply"],
+        ["run", "s.mlx", "-o", "a.ply"],
+        ["batch", "reconstruct", "-d", "out"],
+    ],
+)
+def test_too_few_points_are_wrong_usage(run, statue, tmp_path, monkeypatch, words):
+    monkeypatch.chdir(tmp_path)
+    result = run(*words, statue, "--max-points", FEWEST_POINTS - 1)
+    assert result.exit_code == 2
+    assert f"{FEWEST_POINTS - 1} is not in the range x>={FEWEST_POINTS}" in result.stderr
+    assert f"[x>={FEWEST_POINTS}]" in " ".join(run(words[0], "--help").stdout.split())
     assert list(tmp_path.iterdir()) == []
 
 

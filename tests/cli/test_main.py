@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import subprocess
 import sys
+from pathlib import Path
 
 import click
 import pytest
@@ -16,6 +18,7 @@ from meshlab_symrecon.cli.border import BorderGroup
 from meshlab_symrecon.cli.progress import progress_bar
 from meshlab_symrecon.cli.reports import detection, plain
 from meshlab_symrecon.errors import FileError, HostError, ParameterError
+from meshlab_symrecon.host.files import load
 from meshlab_symrecon.host.native_filters import native_filters
 from meshlab_symrecon.host.registration import registry
 from meshlab_symrecon.plugin.documentation import describe
@@ -72,7 +75,8 @@ def test_our_own_mistakes_are_not_hidden():
 
 
 def test_version_and_help(run, shell):
-    assert run("--version").stdout == f"symrecon {meshlab_symrecon.__version__}\n"
+    for word in ("--version", "-V"):
+        assert run(word).stdout == f"symrecon {meshlab_symrecon.__version__}\n"
     for word in ("reconstruct", "apply", "run", "filters"):
         assert word in run("--help").stdout
         assert run(word, "--help").exit_code == 0
@@ -138,6 +142,121 @@ def test_a_reader_that_goes_away_is_no_traceback():
     command = f"{sys.executable} -m meshlab_symrecon.cli.main filters --all --json | head -c 10"
     result = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
     assert result.stderr == ""
+
+
+START = "from meshlab_symrecon.cli import start; start.{}()"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="streams of Posix shells")
+@pytest.mark.parametrize("closed", ["0<&-", "1>&-", "2>&-", "0<&- 1>&- 2>&-"])
+@pytest.mark.parametrize("program", ["symrecon", "server"])
+def test_closed_streams_change_nothing(tmp_path, program, closed):
+    made = tmp_path / "s.mlx"
+    made.write_text('<FilterScript>\n<filter name="Icosahedron"/>\n</FilterScript>\n')
+    words = {
+        "symrecon": ["run", made, "-o", tmp_path / "a.ply", "--isolate"],
+        "server": ["-s", made, "-o", tmp_path / "a.ply"],
+    }[program]
+    command = shlex.join([sys.executable, "-c", START.format(program), *map(str, words)])
+    ended = subprocess.run(f"{command} {closed}", shell=True, capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert ("cosahedron" in ended.stdout) == ("1" not in closed)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.ply", "s.mlx"]
+    assert load(tmp_path / "a.ply").current_mesh().vertex_number() == 12
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a full device is there on Linux")
+def test_an_output_that_is_full_is_one_sentence(tmp_path):
+    words = [sys.executable, "-c", START.format("server"), "-s", "s.mlx", "-o", "a.ply"]
+    (tmp_path / "s.mlx").write_text('<FilterScript><filter name="Icosahedron"/></FilterScript>')
+    with Path("/dev/full").open("w") as full:
+        ended = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path)
+    assert (ended.returncode, ended.stderr) == (1, "error: No space left on device\n")
+
+
+FILES = [
+    ["reconstruct", "{}", "-o", "a.ply"],
+    ["reconstruct", "b.ply", "-o", "{}"],
+    ["reconstruct", "b.ply", "-o", "a.ply", "--report", "{}"],
+    ["apply", "create_cube", "-o", "{}"],
+    ["apply", "--json", "{}", "create_cube"],
+    ["apply", "get_geometric_measures", "{}", "--json", "r.json"],
+    ["run", "{}", "-o", "a.ply"],
+    ["run", "s.mlx", "{}", "-o", "a.ply"],
+    ["run", "s.mlx", "-o", "a.ply", "--log", "{}"],
+    ["batch", "s.mlx", "b.ply", "-d", "out", "--json", "{}"],
+    ["check", "{}"],
+    ["check", "s.mlx", "--json", "{}"],
+    ["upgrade", "{}"],
+    ["upgrade", "s.mlx", "{}"],
+]
+
+
+@pytest.mark.parametrize("words", FILES, ids=" ".join)
+def test_no_name_and_a_stream_are_no_files(run, tmp_path, monkeypatch, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.mlx").write_text('<FilterScript><filter name="Icosahedron"/></FilterScript>')
+    for path, said in (("", "the path is empty"), ("-", "'-' is no file")):
+        result = run(*(word.format(path) for word in words))
+        assert result.exit_code == 2
+        assert said in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["s.mlx"]
+
+
+def without_rights(monkeypatch, *, path, denied):
+    """Have the system deny a right to a file, for the superuser has every right."""
+    real = os.access
+
+    def access(asked, mode, **more):
+        return not (Path(asked).name == path and mode & denied) and real(asked, mode, **more)
+
+    monkeypatch.setattr(os, "access", access)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["apply", "create_cube", "-o", "a.ply"],
+        ["apply", "get_geometric_measures", "b.ply", "--json", "a.ply"],
+        ["run", "s.mlx", "-o", "a.ply"],
+        ["run", "s.mlx", "-o", "c.ply", "--log", "a.ply"],
+        ["reconstruct", "b.ply", "-o", "a.ply"],
+    ],
+    ids=" ".join,
+)
+def test_a_read_only_file_stays(run, tmp_path, monkeypatch, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.mlx").write_text('<FilterScript><filter name="Icosahedron"/></FilterScript>')
+    assert run("apply", "create_cube", "-o", "b.ply").exit_code == 0
+    (tmp_path / "a.ply").write_bytes(b"")
+    without_rights(monkeypatch, path="a.ply", denied=os.W_OK)
+    result = run(*words)
+    told = "error: a.ply cannot be written: the file there is read-only; give another path\n"
+    assert (result.exit_code, result.stderr) == (1, told)
+    assert (tmp_path / "a.ply").read_bytes() == b""
+    assert not (tmp_path / "c.ply").exists()
+
+
+def test_an_unreadable_file_is_no_wrong_usage(run, tmp_path, monkeypatch):
+    """Only the reader knows: an output that exists need not be readable."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.ply").write_bytes(b"")
+    without_rights(monkeypatch, path="a.ply", denied=os.R_OK)
+    assert run("apply", "create_cube", "-o", "a.ply").exit_code == 0
+    assert load(tmp_path / "a.ply").current_mesh().vertex_number() == 8
+
+
+def test_a_file_may_be_called_like_a_stream(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run("apply", "create_cube", "-o", "a.ply").exit_code == 0
+    assert run("apply", "get_geometric_measures", "a.ply", "--json", "./-").exit_code == 0
+    assert json.loads((tmp_path / "-").read_text())["surface_area"] == pytest.approx(6.0)
+
+
+def test_the_package_is_the_program(tmp_path):
+    command = [sys.executable, "-m", "meshlab_symrecon", "--version"]
+    told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert told == f"symrecon {meshlab_symrecon.__version__}\n"
 
 
 def test_filters_are_listed(run):

@@ -344,8 +344,8 @@ def test_inputs_are_thinned_out_first_and_that_is_told(run, normals, statue, tmp
 
 def test_too_few_points_to_thin_out_to(run, normals, statue, tmp_path):
     result = run("run", normals, statue, "-o", tmp_path / "o.ply", "--max-points", 99)
-    assert (result.exit_code, result.stdout) == (1, "")
-    assert "a scan must keep at least 100 points; got 99" in result.stderr
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "99 is not in the range x>=100" in result.stderr
 
 
 def test_layers_whose_order_would_change_are_not_thinned_out(run, normals, statue, tmp_path):

@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 from meshlab_symrecon import __version__
-from meshlab_symrecon.cli.server import main
+from meshlab_symrecon.cli import server_run
+from meshlab_symrecon.cli.server import LOUD, main
 from meshlab_symrecon.cli.server_job import FLAGS
+from meshlab_symrecon.host import size
 from meshlab_symrecon.host.files import load, new_document
 from meshlab_symrecon.host.mask import SAVED
 from meshlab_symrecon.host.native_filters import native_filters
@@ -60,8 +62,9 @@ def script(path, *steps):
 
 
 @pytest.fixture
-def serve(capfd):
+def serve(capfd, monkeypatch):
     """Return a function that runs a command line; it returns exit code, output and errors."""
+    monkeypatch.setenv("QT_LOGGING_RULES", LOUD)  # as the program does, but for this test alone
 
     def call(*words):
         capfd.readouterr()
@@ -576,3 +579,70 @@ def test_a_shell_script_works_by_changing_one_word(place):
     assert ended.returncode == 0, ended.stderr
     assert ended.stdout.splitlines()[-1] == "failed 1"
     assert counts("ball 1.obj") == [(162, 320)]
+
+
+def announcing(path, points):
+    """Write a cloud of zeros that takes no room on the disk."""
+    lines = ["ply", "format binary_little_endian 1.0", f"element vertex {points}"]
+    lines += ["property float x", "property float y", "property float z", "end_header", ""]
+    head = "\n".join(lines).encode()
+    with path.open("wb") as file:
+        file.write(head)
+        file.truncate(len(head) + 12 * points)
+    return path
+
+
+REFUSED = (
+    r"error: large\.ply has 4000000 points; {work} needs about [23]\.\d GB and 2\.0 GB are free; "
+    r"{out}, or use a machine with more memory\n"
+)
+
+
+@pytest.fixture
+def little(monkeypatch, place):
+    """Two gigabytes of memory, a large cloud, a project that names it, 'crust.mlx'."""
+    monkeypatch.setattr(size, "available_memory", lambda: 2 * 10**9)
+    announcing(place / "large.ply", 4_000_000)
+    (place / "p.mlp").write_text(
+        "<!DOCTYPE MeshLabDocument><MeshLabProject><MeshGroup>"
+        '<MLMesh label="a" filename="large.ply"/></MeshGroup></MeshLabProject>'
+    )
+    script(place / "points.mlx", '<filter name="Mirror-Complete Points"/>\n')
+    return place
+
+
+@pytest.mark.parametrize("words", [("-i", "large.ply"), ("-p", "p.mlp"), ("--dry-run", "p.mlp")])
+def test_what_does_not_fit_into_memory_is_told_before_it_is_read(serve, little, words, monkeypatch):
+    monkeypatch.setattr(server_run, "load_item", lambda *given: pytest.fail("it was read"))
+    words = (words[0], "-i", words[1]) if words[0] == "--dry-run" else words
+    before = names(little)
+    code, out, err = serve(*words, "-s", "points.mlx", "-o", "a.ply")
+    out_of_it = r"run it with symrecon run --max-points \d+, which thins the scan out evenly first"
+    assert (code, out) == (1, "")
+    assert re.fullmatch(REFUSED.format(work="the script", out=out_of_it), err)
+    code, out, err = serve(*words, "-s", "points.mlx", "points.mlx", "-o", "a.ply")
+    out_of_it = r"simplify it to \d+ points first \(symrecon apply .*\)"
+    assert re.fullmatch(REFUSED.format(work="a row of scripts", out=out_of_it), err)
+    assert names(little) == before
+
+
+def test_inputs_add_up_in_memory(serve, little):
+    announcing(little / "c.ply", 2_500_000)
+    code, _, err = serve("-i", *["c.ply"] * 9, "-o", "a.ply")
+    assert code == 1
+    assert err.startswith("error: c.ply has 2500000 points; reading them alone needs about ")
+    assert "beside the other inputs; " in err
+
+
+def test_what_its_file_did_not_tell_is_told_after_loading(serve, little, monkeypatch):
+    monkeypatch.setattr(size, "announced_points", lambda path: None)
+    monkeypatch.setattr(size, "used_memory", lambda: 10**9)
+    monkeypatch.setattr(size, "available_memory", lambda: 3 * 10**8)
+    script(little / "crust.mlx", '<filter name="Surface Reconstruction: Power Crust"/>\n')
+    announcing(little / "c.ply", 200_000)
+    code, _, err = serve("-i", "c.ply", "-s", "crust.mlx", "-o", "a.ply")
+    assert code == 1
+    assert re.search(
+        r"c\.ply: \d+ points need about 0\.\d GB more in .*; run it with symrecon run", err
+    )
+    assert not (little / "a.ply").exists()

@@ -158,6 +158,7 @@ FORMS = {
     "--version": Job(version=True),
     "-V": Job(version=True),
     "--list-filters": Job(list_filters=True),
+    "-i a.ply --json=r=1.json": Job(loads=A, report=Path("r=1.json")),
     "-i a.ply -o b.ply --keep-all --bake --strict --dry-run --json r.json": Job(
         A, outputs=(out("b.ply"),), keep_all=True, bake=True, strict=True, dry_run=True,
         report=Path("r.json"),
@@ -200,6 +201,7 @@ WRONG = {
     "-i a.ply -o b.ply -l -1": "-l behind -o takes a layer: N, c or x; got '-1'",
     "-i a.ply -o b.ply -m vc -l -12": "takes a layer: N, c or x; got '-12'",
     "-l -1 -i a.ply": "-l needs a value behind it; got '-1'",
+    "-i a.ply --jsonr": "there is no option --jsonr",
     "-i a.ply --json": "--json needs a value",
     "-platform": "-platform needs a value",
     "a.ply b.ply": "'a.ply' stands behind no option",

@@ -15,6 +15,7 @@ import pytest
 
 from meshlab_symrecon.errors import SizeError, SymReconWarning
 from meshlab_symrecon.host import reconstruction, size
+from meshlab_symrecon.host.fewest_points import FEWEST_POINTS
 from meshlab_symrecon.host.files import load, save_current
 from meshlab_symrecon.host.meshset import read_layer
 from meshlab_symrecon.host.size import (
@@ -138,10 +139,12 @@ def test_a_file_too_large_to_be_read_is_to_be_split(tmp_path):
     assert "split the file into parts" in told
 
 
-def test_too_little_for_any_size_is_no_matter_of_points(tmp_path, monkeypatch):
-    path = announcing(tmp_path, 10)
-    assert refusal(path, memory_needed(0)).endswith("and the limit leaves 0.4 GB; raise the limit")
-    monkeypatch.setattr(size, "available_memory", lambda: memory_needed(0))
+@pytest.mark.parametrize("more", [0, FEWEST_POINTS - 1])
+def test_too_little_for_any_size_is_no_matter_of_points(tmp_path, monkeypatch, more):
+    path = announcing(tmp_path, 1000)
+    told = refusal(path, memory_needed(more))
+    assert told.endswith("and the limit leaves 0.4 GB; raise the limit")
+    monkeypatch.setattr(size, "available_memory", lambda: memory_needed(more))
     told = refusal(path)
     assert told.endswith(
         "and 0.4 GB are free; close other programs, or use a machine with more memory"
@@ -166,7 +169,11 @@ def test_files_of_one_document_count_together(tmp_path):
     alone = memory_needed(10**6, 0, DETECT)
     check_memory(paths[:1], alone, steps=DETECT)
     assert str(paths[0]) in refusal(paths, alone, steps=DETECT)
+    assert "and the limit leaves 0.2 GB beside the other inputs; " in refusal(
+        paths, alone, steps=DETECT
+    )
     check_memory(paths, alone + 4 * memory_needed(10**6, 0, ()), steps=DETECT)
+    assert "has 1000000 points; " in refusal(paths[:1] * 5, alone, steps=DETECT)
 
 
 def test_an_estimate_from_a_sample_is_called_one(tmp_path):
