@@ -6,8 +6,10 @@ import re
 import struct
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshlab_symrecon.host.held import unusable
 from meshlab_symrecon.host.inspection_xml import check_numbers
@@ -45,7 +47,7 @@ def check_fbx(path: Path) -> int:
     return lost
 
 
-def _array(content: bytes, match: re.Match[bytes]) -> np.ndarray:
+def _array(content: bytes, match: re.Match[bytes]) -> NDArray[Any]:
     """Return the numbers behind a name; none when they are not whole: the reader says so."""
     kind = np.dtype(TYPES[match[1]])
     if len(content) < match.end() + ARRAY.size:

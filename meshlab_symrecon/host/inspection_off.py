@@ -9,7 +9,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from meshlab_symrecon.arrays import Indices
+from meshlab_symrecon.arrays import Floats, Indices
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.held import Held, unusable
 from meshlab_symrecon.host.number_lines import (
@@ -156,6 +156,7 @@ def _without_points(reading: _Reading, block: Block) -> Block:
         message = f"{reading.path}: line {block.lines[at]} has {counts[at]} numbers, and MeshLab"
         raise FileError(f"{message} reads {reading.most} of a point at most; leave out the others")
     end = int(counts.sum())
+    coordinates: Floats
     if plain:
         coordinates = block.numbers[:end].reshape(-1, 3)
     else:

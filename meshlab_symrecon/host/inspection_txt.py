@@ -8,6 +8,7 @@ from typing import BinaryIO
 
 import numpy as np
 
+from meshlab_symrecon.arrays import Floats
 from meshlab_symrecon.errors import FileError
 from meshlab_symrecon.host.held import Held, unusable
 from meshlab_symrecon.host.inspection_points import cut_off
@@ -62,7 +63,7 @@ def txt_rows(path: Path) -> Iterator[PointRows]:
     return (PointRows(_coordinates(block)) for block in _blocks(path))
 
 
-def _coordinates(block: Block) -> np.ndarray:
+def _coordinates(block: Block) -> Floats:
     return block.numbers.reshape(len(block.counts), -1)[:, :AXES]
 
 

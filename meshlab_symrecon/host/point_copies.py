@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshlab_symrecon.arrays import Floats
 from meshlab_symrecon.errors import FileError
@@ -80,7 +81,7 @@ def _write(copy: Path, pieces: Iterator[PointRows]) -> None:
         file.write(_header(names, count))
 
 
-def _table(rows: PointRows) -> np.ndarray:
+def _table(rows: PointRows) -> NDArray[np.void]:
     kinds: list[tuple[str, str]] = [(axis, "<f8") for axis in AXES]
     columns = list(rows.points.T)
     if rows.quality is not None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshlab_symrecon.arrays import Floats, Indices, Points
 from meshlab_symrecon.errors import ParameterError
@@ -172,7 +173,7 @@ def _cell_size(points: Points, low: Floats, widest: float, most: int) -> float:
 
 def _about_one_in(points: Points, every: int) -> Points:
     """Return some of the points, chosen by their coordinates: the same for every order."""
-    mixed = np.zeros(len(points), dtype=np.uint64)
+    mixed: NDArray[np.uint64] = np.zeros(len(points), dtype=np.uint64)
     for axis in range(3):
         bits = np.ascontiguousarray(points[:, axis]).view(np.uint64)
         mixed = (mixed ^ bits) * MIXER
@@ -224,7 +225,7 @@ def _cells(points: Points, low: Floats, size: float) -> Indices:
 def _nearest_to_middle(points: Points, near: Points, low: Floats, size: float) -> Indices:
     """Return the point of each cell that is nearest to its middle; of several, by its place."""
     cells = _cells(near, low, size)
-    distance = np.zeros(len(points))
+    distance: Floats = np.zeros(len(points))
     for axis in range(3):
         place = (near[:, axis] - low[axis]) / size
         distance += (place - np.floor(place) - 0.5) ** 2

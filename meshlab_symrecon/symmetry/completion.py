@@ -188,7 +188,7 @@ def _filled(
 ) -> _Filled:
     """Fill the surface across one plane after the other."""
     points, origin = scan.around.points, np.arange(len(scan.number))
-    facing = np.zeros((0, 3))
+    facing: Points = np.zeros((0, 3))
     for step, plane in enumerate(mirrors):
         low, high = step / len(mirrors), (step + 1) / len(mirrors)
         progress(low, "filling with mirror images")
@@ -221,7 +221,7 @@ def _across(
     if scan.allowed is not None:
         worth = worth & scan.allowed
     sources = np.flatnonzero(worth[origin])
-    images = np.zeros((len(sources), 3))
+    images: Points = np.zeros((len(sources), 3))
     for rows in blocks(len(sources)):
         images[rows] = reflect(around.points[sources[rows]], plane)
     if blend > 0.0 and len(scan.number) >= FEWEST:
