@@ -61,8 +61,8 @@ def try_in_child(path: Path) -> int:
     if ended.returncode in (-getattr(signal, "SIGXCPU", 0), -signal.SIGKILL):
         raise damaged(path, OUT_OF_TIME.format(seconds=seconds))
     try:
-        points, problem = json.loads(ended.stdout.splitlines()[-1])
-    except (IndexError, ValueError) as error:
+        points, problem = json.loads(ended.stdout)
+    except ValueError as error:
         raise damaged(path, "MeshLab's reader crashes on it") from error
     if points < 0:
         raise damaged(path, OUT_OF_MEMORY.format(size=size, memory=memory >> 20))
@@ -76,6 +76,7 @@ def try_in_child(path: Path) -> int:
 def main() -> None:
     """Read the file that the command line names, within its limits; print what was found."""
     file, shown, seconds, memory = sys.argv[1:]
+    answer = _own_output()
     _limit(int(seconds), int(memory))
     try:
         found = (_points(Path(file), Path(shown)), "")
@@ -84,7 +85,16 @@ def main() -> None:
     except SymReconError as error:
         out_of_memory = isinstance(error.__cause__, MemoryError) or "bad_alloc" in str(error)
         found = (-1 if out_of_memory else 0, str(error))
-    sys.stdout.write("\n" + json.dumps(found) + "\n")
+    os.write(answer, json.dumps(found).encode())
+
+
+def _own_output() -> int:
+    """Return the standard output; what MeshLab's readers print, at once or at the end, is lost."""
+    answer = os.dup(1)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)
+    return answer
 
 
 def _limit(seconds: int, memory: int) -> None:
