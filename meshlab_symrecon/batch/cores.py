@@ -22,7 +22,10 @@ from meshlab_symrecon.errors import HostError
 
 __all__ = ["on_cores"]
 
-WARNINGS = "PYTHONWARNINGS"
+# For processes that are started: trackers do not warn of what was removed before they came, and a
+# numpy.py in the folder where the user is is not ours (from Python 3.11 on).
+SILENT = ("PYTHONWARNINGS", "ignore")
+OWN_MODULES = ("PYTHONSAFEPATH", "1")
 PATIENCE = 5  # pools that may break one after the other without a single result
 
 
@@ -66,7 +69,8 @@ def _pooled(jobs: Sequence[Job], count: int) -> Generator[ScanReport, None, None
         max_nbytes=None,
     )
     coordinator = os.getpid()
-    with _interruptions_held():  # what is started in here does not see a Ctrl-C, we end it
+    # What is started in here does not see a Ctrl-C: we end it.
+    with _environment(*OWN_MODULES), _interruptions_held():
         reports = pool(delayed(supervised_for)(coordinator, job) for job in jobs)
     try:
         yield from reports
@@ -82,7 +86,7 @@ def _interruptions_held() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    with _trackers_silent():
+    with _environment(*SILENT):
         for tracker in (resource_tracker, loky_tracker):
             tracker.ensure_running()  # now, since that lets signals through again
     before: Any = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -93,14 +97,14 @@ def _interruptions_held() -> Iterator[None]:
 
 
 @contextmanager
-def _trackers_silent() -> Iterator[None]:
-    """Keep processes that begin in this block from warning of what was removed before they came."""
-    before = os.environ.get(WARNINGS)
-    os.environ[WARNINGS] = "ignore"
+def _environment(name: str, value: str) -> Iterator[None]:
+    """Give a variable to the processes that begin in this block."""
+    before = os.environ.get(name)
+    os.environ[name] = value
     try:
         yield
     finally:
         if before is None:
-            del os.environ[WARNINGS]
+            del os.environ[name]
         else:
-            os.environ[WARNINGS] = before
+            os.environ[name] = before

@@ -14,13 +14,14 @@ import pymeshlab
 
 from meshlab_symrecon.errors import FileError, SymReconError
 from meshlab_symrecon.host.held import check_box
+from meshlab_symrecon.host.own_program import own_program
 from meshlab_symrecon.host.ply_header import damaged
 from meshlab_symrecon.host.process_state import process_kept
 from meshlab_symrecon.host.translation import translated
 
 __all__ = ["try_in_child"]
 
-CHILD = "from meshlab_symrecon.host.inspection_trial import main; main()"
+CHILD = own_program("meshlab_symrecon.host.inspection_trial")
 SECONDS = 10  # of the processor, for a small file
 SECONDS_A_MEGABYTE = 3
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}  # 40 MB of addresses go to each, one for each core
@@ -42,15 +43,7 @@ def try_in_child(path: Path) -> int:
     size = path.stat().st_size
     seconds = SECONDS + SECONDS_A_MEGABYTE * (size >> 20)
     memory = MEMORY + TIMES_THE_FILE * size
-    command = [
-        sys.executable,
-        "-c",
-        CHILD,
-        str(path.resolve()),
-        str(path),
-        str(seconds),
-        str(memory),
-    ]
+    command = [*CHILD, str(path.resolve()), str(path), str(seconds), str(memory)]
     try:
         ended = subprocess.run(  # noqa: S603  our own interpreter, our own program
             command, capture_output=True, check=False, timeout=WAITING * seconds,

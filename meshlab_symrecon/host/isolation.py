@@ -13,7 +13,6 @@ import os
 import pickle
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -27,6 +26,7 @@ from meshlab_symrecon.host.child_watch import Bounds, Watch
 from meshlab_symrecon.host.interruption import guarded_child
 from meshlab_symrecon.host.isolated_child import LENGTH, Answer, Job
 from meshlab_symrecon.host.notices import warn_user
+from meshlab_symrecon.host.own_program import own_program
 
 if TYPE_CHECKING:
     from meshlab_symrecon.plugin import Progress
@@ -38,7 +38,7 @@ __all__ = [
     "run_child",
 ]
 
-CHILD = "from meshlab_symrecon.host.isolated_child import main; main()"
+CHILD = "meshlab_symrecon.host.isolated_child"
 WINDOWS_FAULT = 0xC0000000  # exit codes from here on are crashes there
 LAST_BREATH = 10.0  # seconds for a child to end after its answer
 WORDS = 4000  # characters that are kept of what a child prints
@@ -184,12 +184,11 @@ def _signal_name(number: int) -> str:
 def _begun(environment: Mapping[str, str], words: IO[bytes] | None) -> subprocess.Popen[bytes]:
     """Begin a child; what it prints as errors goes to ``words``, or to our standard error."""
     return subprocess.Popen(  # noqa: S603  our own interpreter, our own program
-        [sys.executable, "-c", CHILD, str(os.getpid())],
+        [*own_program(CHILD), str(os.getpid())],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=words,
-        # A numpy.py in the folder here is not ours.
-        env=os.environ | {"PYTHONSAFEPATH": "1"} | dict(environment),
+        env=os.environ | dict(environment),
         start_new_session=True,  # it is ended from here, with all of its own children
     )
 

@@ -17,11 +17,12 @@ import pytest
 from batch_inputs import SCRIPT, Witness, cloud
 
 from meshlab_symrecon.batch import Batch, Limits, run_batch
-from meshlab_symrecon.batch.cores import WARNINGS, _trackers_silent
+from meshlab_symrecon.batch.cores import SILENT, _environment
 from meshlab_symrecon.batch.log import opened_log
 from meshlab_symrecon.batch.plan import planned
 from meshlab_symrecon.batch.resumption import standing
 from meshlab_symrecon.errors import FileError, HostError, ParameterError, ScriptError
+from meshlab_symrecon.host.own_program import own_program
 
 CRASHES, DIVIDES = 77, 80
 BAD = {"s2.ply": "crashed", "s4.ply": "failed"}
@@ -155,15 +156,16 @@ def test_an_interrupted_batch_says_how_to_go_on(place, number, code):
 
 @pytest.mark.parametrize("before", [None, "error"])
 def test_trackers_do_not_warn_of_what_is_gone_already(monkeypatch, before):
+    name, _ = SILENT
     if before is None:
-        monkeypatch.delenv(WARNINGS, raising=False)
+        monkeypatch.delenv(name, raising=False)
     else:
-        monkeypatch.setenv(WARNINGS, before)
+        monkeypatch.setenv(name, before)
     program = [sys.executable, "-c", "import warnings; warnings.warn('it is gone')"]
-    with _trackers_silent():
+    with _environment(*SILENT):
         inside = subprocess.run(program, capture_output=True, text=True, check=False)
     assert (inside.returncode, inside.stderr) == (0, "")
-    assert os.environ.get(WARNINGS) == before
+    assert os.environ.get(name) == before
     outside = subprocess.run(program, capture_output=True, text=True, check=False)
     assert "it is gone" in outside.stderr
 
@@ -340,3 +342,14 @@ def test_a_batch_that_is_wrong_starts_nothing(tmp_path, script, monkeypatch):
             run_batch(Batch(**({"script": script, "inputs": [scan], "folder": out} | how)))
     assert scan.read_bytes() == before
     assert not (out / "a.ply").exists()
+
+
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="Python 3.10 knows no PYTHONSAFEPATH")
+def test_modules_in_the_users_folder_are_not_run(place, tmp_path):
+    for name in ("json", "random", "numpy", "meshlab_symrecon"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit(3)")
+    words = ["batch", place / "halve.mlx", place / "in", "-d", "out", "--jobs", "2", "-q"]
+    command = [*own_program("meshlab_symrecon.cli.main"), *map(str, words)]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stderr
+    assert bytes_in(tmp_path / "out") == bytes_in(place / "whole")

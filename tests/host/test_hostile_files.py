@@ -6,6 +6,7 @@ import errno
 import json
 import os
 import struct
+import sys
 import warnings
 from base64 import b64encode
 
@@ -574,7 +575,7 @@ def stopped(tmp_path, monkeypatch, source):
     program = "import sys\nfrom meshlab_symrecon.host import inspection_trial as trial\n"
     program += f"def points(file, shown):\n    {source}\n"
     program += "trial._points = points\ntrial.main()\n"
-    monkeypatch.setattr(inspection_trial, "CHILD", program)
+    monkeypatch.setattr(inspection_trial, "CHILD", [sys.executable, "-c", program])
     return inspection_trial.try_in_child(path)
 
 
